@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 
 from .kept import kept
-from .parsing import ABSENT, ABSENT_INTEGER, ABSENT_MIN, element_name, parse
+from .parsing import ABSENT, ABSENT_INTEGER, ABSENT_MIN, SAMPLE_PERIOD, element_name, parse
 from .variables import FLAVOURS, Element, Interface, InterfaceError, Variable
 
 __all__ = [
@@ -21,6 +21,7 @@ __all__ = [
     "BLOCKS",
     "FLAVOURS",
     "INTERFACES",
+    "SAMPLE_PERIOD",
     "SETS",
     "TRUTH",
     "Element",

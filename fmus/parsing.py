@@ -2,8 +2,9 @@
 
 The TOML file
 -------------
-`[block]` has `name` and `description`, and `flavours` where there is one only: `["native"]`; `[experiment]` has `stop`
-and `step`, in seconds. Each `[variables.NAME]` has
+`[block]` has `name` and `description`, `flavours` where there is one only: `["native"]`, and `sampled = false` where the
+block has no instants of its own; any other gets the parameter `sample_period`, its last variable, which stands in no
+file. `[experiment]` has `stop` and `step`, in seconds. Each `[variables.NAME]` has
 
 - `causality`: "input", "output" or "parameter";
 - `type`: "real" (the default), "integer", "boolean", "string" or "enumeration" (with `items`);
@@ -57,6 +58,17 @@ ABSENT_INTEGER = -1
 """The same of every optional integer input; any negative value means so."""
 ABSENT_MIN = 0.999e9
 """An optional input with an element of this magnitude is not connected: a host may have rounded its start."""
+SAMPLE_PERIOD = "sample_period"
+"""The parameter of every sampled block, which its FMU's shell acts on."""
+_SAMPLE_PERIOD = {
+    "causality": "parameter",
+    "variability": "fixed",
+    "unit": "s",
+    "start": 0.0,
+    "min": 0.0,
+    "description": "The block acts each so many seconds after the start, at the communication point that reaches the "
+    "instant, and holds its outputs in between; 0: in each step",
+}
 
 
 def parse(text: str, file: str = "<interface>") -> Interface:
@@ -79,6 +91,10 @@ def parse(text: str, file: str = "<interface>") -> Interface:
             raise InterfaceError(f"{file}: variables.{name}: {error}") from None
         variables[name] = variable
         reference += len(variable.elements)
+    if data["block"].get("sampled", True):
+        if SAMPLE_PERIOD in variables:
+            raise InterfaceError(f"{file}: variables.{SAMPLE_PERIOD}: every sampled block has it; leave it out")
+        variables[SAMPLE_PERIOD] = replace(_variable(SAMPLE_PERIOD, _SAMPLE_PERIOD, reference), of_shell=True)
     _check_dependencies(variables, file)
     return Interface(
         name=sets[chosen]["block"] if chosen else data["block"]["name"],

@@ -60,6 +60,8 @@ class Variable:
     """The set of parts, such as "wheel", of which each one has this variable."""
     gives: str = ""
     """Of a helper input: the parameter that follows from it."""
+    of_shell: bool = False
+    """A parameter that the FMU's shell acts on; the block's own structures do not have it."""
 
     @property
     def unit(self) -> str | None:
@@ -100,7 +102,8 @@ class Interface:
     """The part of this block in a three-dimensional view of a loop, as the file has it."""
 
     def of(self, causality: Causality) -> list[Variable]:
-        return [v for v in self.variables.values() if v.causality == causality]
+        """Those of the block itself: not what its shell has."""
+        return [v for v in self.variables.values() if v.causality == causality and not v.of_shell]
 
     @cached_property
     def elements(self) -> dict[str, tuple[Variable, Element]]:

@@ -49,7 +49,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     _check_inputs(u)
     after = advance(x, u, p, h)
     other = (after.mode, after.destination, after.slew_start) != (x.mode, x.destination, x.slew_start)
-    if other or after.t >= after.ahead_next:
+    if other or after.t >= after.ahead_next - 1e-6 * h:  # since t is a sum of steps
         after = looked(after, u, p)
     return after, outputs(after, u, p)
 

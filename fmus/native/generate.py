@@ -10,11 +10,16 @@ import itertools
 import textwrap
 
 from ..interface import ABSENT_MIN, Element, Interface, InterfaceError, Variable, citations, optional_text
+from ..variables import Causality
 
 TEXT_SIZE = 128
 """Bytes of a string's buffer, its ending zero included."""
 
-_RECORDS = {"parameter": ("Parameters", "p"), "input": ("Inputs", "u"), "output": ("Outputs", "y")}
+_RECORDS: dict[Causality, tuple[str, str]] = {
+    "parameter": ("Parameters", "p"),
+    "input": ("Inputs", "u"),
+    "output": ("Outputs", "y"),
+}
 _C_TYPES = {"real": "double", "integer": "int32_t", "enumeration": "int32_t", "boolean": "bool", "string": "char"}
 
 
@@ -40,7 +45,7 @@ def ports_header(interface: Interface, source: str | None = None) -> dict[str, s
         parts.append(f"/* The most {part}s that there can be. */\n#define {_count(interface, part)} {count}\n")
     parts += [_enumeration(name, v) for v in interface.variables.values() if v.type == "enumeration"]
     for causality, (record, _) in _RECORDS.items():
-        members = "\n".join(_member(interface, v) for v in interface.variables.values() if v.causality == causality)
+        members = "\n".join(_member(interface, v) for v in interface.of(causality))
         parts.append(f"typedef struct {{\n{members}\n}} {camel_case(name)}{record};\n")
     if optional:
         limit = f"{name.upper()}_ABSENT_MIN"
@@ -150,12 +155,17 @@ def _alike(variable: Variable) -> tuple[str, ...]:
         low, high = 1, len(variable.items)
     variability = {"fixed": "FIXED", "tunable": "TUNABLE"}.get(variable.variability, "MOVING")
     limits = ("-DBL_MAX" if low is None else repr(float(low)), "DBL_MAX" if high is None else repr(float(high)))
-    return f"KIND_{kind}", f"CAUSALITY_{variable.causality.upper()}", variability, *limits
+    return f"KIND_{kind}", f"CAUSALITY_{variable.causality.upper()}", variability, *limits, _place(variable)
+
+
+def _place(variable: Variable) -> str:
+    """The member of Ports in which it is."""
+    return "sampling" if variable.of_shell else _RECORDS[variable.causality][1]
 
 
 def _row(interface: Interface, variable: Variable, position: int, element: Element, followers: int) -> str:
-    member = f"{_RECORDS[variable.causality][1]}.{_members(interface, variable)[position]}"
-    kind, causality, variability, low, high = _alike(variable)
+    kind, causality, variability, low, high, place = _alike(variable)
+    member = f"{place}.{_members(interface, variable)[position]}"
     start, text = element.start or 0, "NULL"
     if isinstance(start, str):
         if len(start.encode()) >= TEXT_SIZE:

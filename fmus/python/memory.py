@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ..variables import Interface, Variable
+from ..variables import Causality, Interface, Variable
 from .asked import Asked, look
 from .written import SCALARS, writer
 
@@ -35,7 +35,10 @@ class Snapshot:
     values: tuple[Any, ...]
     mode: str
     time: float
+    begin: float
     stop: float | None
+    instants: int
+    held: bool
     dirty: bool
     state: Any
     error: str | None = None
@@ -58,6 +61,8 @@ class Layout:
         self.settable = self.parameter_references | _references(v for v in variables if v.causality == "input")
         self.tunable = self.settable - _references(v for v in variables if v.variability == "fixed")
         self.bounds = {r: bounds for v in variables if (bounds := _bounds(v)) for r in v.value_references}
+        periods = [v.value_references[0] for v in variables if v.of_shell]
+        self.sample_period: Callable[[Values], float] = lambda values: values[periods[0]] if periods else 0.0
         self._asked: dict[tuple[str, tuple[int, ...]], Asked] = {}
         scalars, arrays = ([v for v in outputs if bool(v.shape) is shaped] for shaped in (False, True))
         self._get_scalars, self._get_arrays = (_all(attrgetter, [v.name for v in some]) for some in (scalars, arrays))
@@ -152,8 +157,8 @@ def _start(variable: Variable, start: Any) -> Any:
     return SCALARS[variable.type](start or "") if variable.type == "string" else SCALARS[variable.type](start or 0)
 
 
-def _fields(interface: Interface, block: ModuleType, causality: str, record: str) -> list[str]:
-    expected = [v.name for v in interface.variables.values() if v.causality == causality]
+def _fields(interface: Interface, block: ModuleType, causality: Causality, record: str) -> list[str]:
+    expected = [v.name for v in interface.of(causality)]
     fields = dataclasses.fields(getattr(block, record))
     # What only a set of parts has has a default, and stands last.
     names = [f.name for f in fields if f.name in expected or f.default is dataclasses.MISSING or not interface.sets]
@@ -163,7 +168,7 @@ def _fields(interface: Interface, block: ModuleType, causality: str, record: str
     return names
 
 
-def _reader(interface: Interface, block: ModuleType, causality: str, record: str) -> Callable[[Values], Any]:
+def _reader(interface: Interface, block: ModuleType, causality: Causality, record: str) -> Callable[[Values], Any]:
     """A function that makes the block's dataclass from the flat list."""
     names = _fields(interface, block, causality, record)
     readers = [_field_reader(interface.variables[name]) for name in names]
@@ -202,7 +207,9 @@ def from_bytes(data: bytes, identity: str, block: ModuleType) -> Snapshot:
         entries |= {"values": tuple(entries["values"]), "state": state}
         return Snapshot(**entries)
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        return Snapshot((), "", math.nan, None, True, None, f"the serialized FMU state cannot be restored: {error}")
+        return Snapshot(
+            (), "", math.nan, 0.0, None, 0, False, True, None, f"the serialized FMU state cannot be restored: {error}"
+        )
 
 
 def _encode(value: Any, name: str) -> Any:

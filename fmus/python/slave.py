@@ -33,6 +33,8 @@ _BEYOND_STOP = 0.01
 """Of a step: by how much it may end beyond the stop time, for masters that add up times."""
 _ROUNDING = 1e-12
 """Of a time."""
+_SHORT = 0.01
+"""Of a step: how much before an own instant it may end to reach it, for masters that add up times."""
 
 
 class BlockSlave(Fmi2Slave):
@@ -57,6 +59,9 @@ class BlockSlave(Fmi2Slave):
         self._mode = _INSTANTIATED
         self._time = 0.0
         self._stop: float | None = None  # infinite where the host gave none; None until setupExperiment
+        self._begin = 0.0  # startTime, from which the block's own instants count
+        self._instants = 0  # of its own: how many it has acted at
+        self._held = False  # the outputs are those of the last own instant, whatever the inputs are by now
         self._dirty = True  # the outputs among the values are not those of state, inputs and parameters
         self._state: Any = None
         self._p: Any = None  # the block's Parameters and Inputs, None where the values have changed
@@ -90,7 +95,7 @@ class BlockSlave(Fmi2Slave):
                 f"setupExperiment: the stop time is {stop_time}; expected a finite number, at least the start "
                 f"time {start_time}"
             )
-        self._time = start_time
+        self._time = self._begin = start_time
         self._stop = math.inf if stop_time is None else stop_time
 
     @guarded
@@ -121,10 +126,17 @@ class BlockSlave(Fmi2Slave):
                 f"doStep: the step ends at {end} s; expected the stop time {stop} s or before (to a hundredth of "
                 "the step)"
             )
+        period = self.layout.sample_period(self._values)
+        if period and step_size > period * (1.0 + _TIME_TOLERANCE):
+            raise Refused(f"doStep: the step is {step_size} s; expected at most sample_period = {period} s")
         p, u = self._read()
-        state, outputs = self.block.step(self._state, u, p, step_size)
+        if period and end < self._begin + (self._instants + 1) * period - _SHORT * step_size:
+            self._time, self._held = end, True
+            return True
+        state, outputs = self.block.step(self._state, u, p, period or step_size)
         self._values = self.layout.store(outputs, self._values)
-        self._state, self._dirty, self._time = state, False, end
+        self._state, self._dirty, self._held, self._time = state, False, False, end
+        self._instants += 1
         return True
 
     @guarded
@@ -153,7 +165,7 @@ class BlockSlave(Fmi2Slave):
         if not asked.known:
             wrong = next(r for r in references if r not in self.layout.of_type[kind])
             raise Refused(f"get{kind}: there is no {kind} with the value reference {wrong}")
-        if self._dirty and asked.outputs:
+        if self._dirty and asked.outputs and not self._held:
             p, u = self._read()
             state = self._state if self._state is not None else self.block.start(p, u)
             self._values = self.layout.store(self.block.outputs(state, u, p), self._values)
@@ -227,14 +239,16 @@ class BlockSlave(Fmi2Slave):
     @guarded
     def _get_fmu_state(self) -> Snapshot:
         check_state(self._state)
-        return Snapshot(tuple(self._values), self._mode, self._time, self._stop, self._dirty, self._state)
+        times = self._time, self._begin, self._stop, self._instants
+        return Snapshot(tuple(self._values), self._mode, *times, self._held, self._dirty, self._state)
 
     @guarded
     def _set_fmu_state(self, state: Snapshot) -> None:
         if state.error is not None:
             raise Refused(f"setFMUstate: {state.error}")
         self._values = list(state.values)
-        self._mode, self._time, self._stop = state.mode, state.time, state.stop
+        self._mode, self._time, self._begin, self._stop = state.mode, state.time, state.begin, state.stop
+        self._instants, self._held = state.instants, state.held
         self._dirty, self._state = state.dirty, state.state
         self._p = self._u = None
 

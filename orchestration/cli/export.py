@@ -76,7 +76,7 @@ def command(
         say(f"note: runs the FMUs of others for one step, for the values at t = 0: {', '.join(foreign)}", error=True)
     if ssp is not None and (kept := _guards(loaded)):
         say(f"note: the archive does not carry {', '.join(kept)}: who runs it decides that", error=True)
-    system = flat(loaded)
+    system = flat(loaded, rates_kept=for_orchestrate and container is None)
     for path, suffix in targets:
         with writing(path):
             (ssp_writer if suffix == ".ssp" else container_writer).write(system, path)

@@ -51,7 +51,8 @@ def _structure(system: System) -> bytes:
     root.set("generationTool", "orchestrate")
     top = _element(root, "ssd:System", name=scenario.name)
     elements = _element(top, "ssd:Elements")
-    for component in system.components:
+    for name in system.order:  # the order of the steps, for a host that takes that of the elements
+        component = next(c for c in system.components if c.name == name)
         _component(elements, component, _resource(system, component))
     if system.wires:
         connections = _element(top, "ssd:Connections")

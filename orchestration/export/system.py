@@ -8,21 +8,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
+
+from fmus.interface import SAMPLE_PERIOD
 
 from ..errors import InputError
 from ..fmu.archive import Fmu
-from ..fmu.model import Variable
+from ..fmu.model import Model, Variable
 from ..fmu.starts import scalars_of, starts_of
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
 from ..session.open import open_scenario
+from ..session.plan import Plan
 from ..session.run import whole
 from ..system.wiring import Node
 
 Scalar = float | int | bool | str
 
 _ONLY_OURS = ", which only this orchestrator can do; cannot be exported"
+_KEPT = "with --ssp, --for-orchestrate keeps it in an annotation, which no other tool reads"
 _LEFT_OUT = ("expect", "holds", "consistency", "figures", "faults", "timeline", "phases", "cycle", "record")
 """What the step for the values of t = 0 goes without."""
 
@@ -80,22 +85,19 @@ class System:
 def check_plain(scenario: Scenario, what: str, remedy: str = "") -> None:
     """Refuses what only this orchestrator does, and what `what` would leave out without a word. Raises InputError."""
     remedies = f"; {remedy}" if remedy else ""
-    if scenario.delays:
-        raise InputError(scenario.error(("delays",), f"{what} has no delays of single connections{remedies}"))
     if scenario.faults:
         raise InputError(scenario.error(("faults",), f"{what} has no faults{remedies}"))
     if any(entry.set for entry in scenario.timeline):
         message = f"{what} has no commands at given times{remedies}"
         raise InputError(scenario.error(("timeline",), message))
-    for name, entry in scenario.blocks.items():
-        if entry.every != 1:
-            one = "expected 1 (remedy: no 'every', and the slowest block's step for all)"
-            message = f"{what} steps all its blocks at one rate; {one}{remedies}"
-            raise InputError(scenario.error(("blocks", name, "every"), message))
 
 
-def flat(scenario: Scenario) -> System:
-    """Returns the system of a scenario. Raises InputError where it cannot run or needs more than wires; BlockError."""
+def flat(scenario: Scenario, rates_kept: bool = False) -> System:
+    """Returns the system of a scenario. Raises InputError where it cannot run or needs more than wires; BlockError.
+
+    A block with `every` has its rate as sample_period. One that lacks this parameter is refused, unless the rates are
+    kept for orchestrate.
+    """
     opened = open_scenario(scenario)
     fmus, prepared, plan = opened.fmus, opened.prepared, opened.plan
     for name in scenario.blocks:
@@ -111,6 +113,8 @@ def flat(scenario: Scenario) -> System:
         if fit is not None and not fit.identical:
             message = f"its ports are mapped to those of another interface{_ONLY_OURS}"
             raise InputError(scenario.error(("blocks", name), message))
+    if not rates_kept:
+        _check_delays(scenario, plan)
     names = {name: _names(name, fmu, prepared.models[name].variables) for name, fmu in fmus.items()}
     initial = _initial(scenario)
     fed: dict[str, dict[Node, Scalar]] = {name: {} for name in fmus}
@@ -134,6 +138,8 @@ def flat(scenario: Scenario) -> System:
             if kind == "output" or (name, names[name][n]) in targets
         ]
         values = {Node(name, start.element): start.value for start in plan.starts[name]} | fed[name]
+        if (every := scenario.blocks[name].every) > 1 and (SAMPLE_PERIOD in model.variables or not rates_kept):
+            values[_sampling(scenario, name, model)] = float(every * Fraction(repr(scenario.step)))
         own = starts_of(fmu.description, model)
         exported = [
             Value(names[name][n], model.variables[n.element.variable].at([n.element.position]), value)
@@ -148,6 +154,34 @@ def flat(scenario: Scenario) -> System:
         ]
         components.append(Component(name, fmu, tuple(ports), tuple(exported), tuple(free)))
     return System(scenario, tuple(components), tuple(wires), tuple(plan.order.blocks))
+
+
+def _check_delays(scenario: Scenario, plan: Plan) -> None:
+    """Refuses delays that the order of the steps does not make by itself. Raises InputError.
+
+    A host that steps one block after the other gives a block what those behind it had at the step before.
+    """
+    place = {name: i for i, name in enumerate(plan.order.blocks)}
+    for link in (link for link in plan.wiring.links if link.delayed):
+        source, target = link.source[0].block, link.target[0].block
+        if scenario.exchange != "sequential" or place[source] < place[target]:
+            message = f"{target} is stepped after {source}, so no order of the steps delays this connection"
+            if scenario.exchange != "sequential":
+                message = (
+                    f"{source} -> {target}: a parallel exchange delays every connection by a step, and this by two"
+                )
+            raise InputError(scenario.error(("delays",), f"{message}; {_KEPT}"))
+
+
+def _sampling(scenario: Scenario, block: str, model: Model) -> Node:
+    """The parameter by which a block keeps its rate where the host steps all at one. Raises InputError."""
+    if (variable := model.variables.get(SAMPLE_PERIOD)) is None:
+        message = f"other tools step all blocks at one rate, and its FMU has no parameter {SAMPLE_PERIOD}"
+        remedy = "no 'every', and the slowest block's step for all"
+        raise InputError(scenario.error(("blocks", block, "every"), f"{message}; remedy: {remedy}; {_KEPT}"))
+    if (key := scenario.given(block).get(SAMPLE_PERIOD)) is not None:
+        raise InputError(scenario.error(key, "every says it, too; expected one of the two"))
+    return Node(block, variable.elements[0])
 
 
 def _initial(scenario: Scenario) -> dict[Node, Scalar]:

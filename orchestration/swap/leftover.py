@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fmus.interface import SAMPLE_PERIOD
+
 from ..errors import hint, nearest
 from ..fmu.model import Element, NameUnknown, Variable
 from ..quantities import ONE, QuantityError
@@ -16,6 +18,9 @@ from .findings import Fit, named
 
 
 def lacking(fitted: Fit, ours: Variable, taken: Mapping[Element, str]) -> None:
+    if ours.name == SAMPLE_PERIOD:  # of our FMUs' shell; theirs acts in each of its steps
+        fitted.missing[ours.name] = ours
+        return
     gone = {*fitted.reference.model.variables, *(element.variable for element in taken)}
     free = [v for v in fitted.theirs.of(ours.causality) if v.name not in gone]
     match = nearest(ours.name, (v.name for v in free))

@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
+from fmus.interface import SAMPLE_PERIOD
+
 from ..errors import InputError, Problem
 from ..fmu.interfaces import in_steps
 from ..fmu.model import Element, Model
@@ -25,6 +27,13 @@ def notes(scenario: Scenario, models: Mapping[str, Model], starts: Mapping[str, 
         every = scenario.blocks[block].every
         step = every * Fraction(repr(scenario.step))
         counted = f" ({every} base steps of {scenario.step:.10g} s)" if every > 1 else ""
+        if period := Fraction(repr(float(values.get(Element(SAMPLE_PERIOD, 0), 0.0)))):
+            if not whole(period / step):
+                warnings.append(
+                    f"{block}.{SAMPLE_PERIOD} = {float(period):.10g} s is no multiple of its step, {float(step):.10g} s"
+                    f"{counted}; it acts at the step after each of its instants"
+                )
+            step, counted = period, f" ({SAMPLE_PERIOD})"
         of = f"the step of {block}, {float(step):.10g} s{counted}"
         for name, steps in in_steps(model.name).items():
             if (element := Element(name, 0)) not in values:

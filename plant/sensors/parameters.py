@@ -86,18 +86,18 @@ class Parameters:
     wheel_momentum_noise: float
     dipole_noise: float
     telemetry_period: float
-    sample_period: float
+    sensor_period: float
     seed: int
 
     @cached_property
     def periods(self) -> list[float]:
         """Of each clock, s; 0: a measurement at every step."""
-        return [getattr(self, name) or self.sample_period for name in _PERIODS]
+        return [getattr(self, name) or self.sensor_period for name in _PERIODS]
 
     @cached_property
     def period_names(self) -> list[str]:
         """Of the parameter that gives each clock's period."""
-        return [name if getattr(self, name) else "sample_period" for name in _PERIODS]
+        return [name if getattr(self, name) else "sensor_period" for name in _PERIODS]
 
     @cached_property
     def boresight(self) -> Array:
@@ -158,9 +158,9 @@ def check(p: Parameters) -> None:
     for name, (low, high) in _BETWEEN.items():
         if not low <= (value := getattr(p, name)) <= high:
             raise ValueError(f"{name}: expected {low:g} to {high:.7g}, found {value}")
-    for name in ("sample_period", *_PERIODS):
+    for name in ("sensor_period", *_PERIODS):
         if not ((value := getattr(p, name)) == 0.0 or PERIOD_MIN <= value < math.inf):
-            of_zero = "every step" if name == "sample_period" else "sample_period"
+            of_zero = "every step" if name == "sensor_period" else "sensor_period"
             raise ValueError(f"{name}: expected 0 ({of_zero}) or at least {PERIOD_MIN:g} s, found {value} s")
     for name in ("attitude_boresight_B", "fine_sun_axis_B"):
         if abs((length := float(np.linalg.norm(getattr(p, name)))) - 1.0) > UNIT_TOLERANCE:

@@ -132,7 +132,8 @@ bool supervisor_step(const SupervisorLaw *law, SupervisorState *x, const Supervi
         return false;
     }
     const bool other = next.mode != x->mode || next.destination != x->destination || next.slew_start != x->slew_start;
-    if ((other || next.t >= next.ahead.next) && !supervisor_look_ahead(law, u, &next, f)) {
+    /* to a millionth of the step, since t is a sum of steps */
+    if ((other || next.t >= next.ahead.next - 1e-6 * h) && !supervisor_look_ahead(law, u, &next, f)) {
         return false;
     }
     if (!supervisor_outputs(law, &next, u, y, f)) {

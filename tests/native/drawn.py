@@ -219,7 +219,7 @@ def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
         wheel_momentum_noise=scale * 1e-5,
         position_noise=scale * 10.0,
         velocity_noise=scale * 0.01,
-        sample_period=rng.choice([0.0, 0.03, 0.1, 0.2, 0.25]),
+        sensor_period=rng.choice([0.0, 0.03, 0.1, 0.2, 0.25]),
         seed=int(rng.integers(2**31)),
         attitude_noise_about=some(1e-3),
         attitude_boresight_B=_unit(rng),

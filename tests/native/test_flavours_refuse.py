@@ -80,7 +80,7 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
             {"sun_N": [0.0, 0.0, 0.0], "command": 7, "rate_time": 0.0},
             {"v_N": [1.0, 0.0, 0.0], "rate_time": 0.0},
         ],
-        "plant_sensors": [{"sample_period": 5e-7}],
+        "plant_sensors": [{"sensor_period": 5e-7}],
         "plant_judge": [
             {"R_d0": np.diag([1.0, 1.0, -1.0])},
             {"R_NB": np.full((3, 3), 1e-12)},

@@ -119,8 +119,8 @@ def test_a_body_that_turns_too_far_in_an_internal_step_is_refused_with_the_remed
 
 def test_sensors_that_sample_more_than_a_billion_times_in_a_step_are_refused() -> None:
     with Instance("plant_sensors") as it:
-        it.set("sample_period", 1e-6)
+        it.set("sensor_period", 1e-6)
         it.initialize()
-        with pytest.raises(Refused, match="sample_period: expected at least 1e-09 of the communication step"):
+        with pytest.raises(Refused, match="sensor_period: expected at least 1e-09 of the communication step"):
             it.step(0.0, 1001.0)
         it.step(0.0, 1.0)

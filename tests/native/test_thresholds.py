@@ -80,7 +80,7 @@ REFUSED: dict[str, dict[str, Callable[[float], dict[str, Any]]]] = {
         **{name: RODS[name] for name in RODS if name != "demand over limit"},
         "weight of the rods": lambda s: {"rod_weight": s * 1e-8},
     },
-    "plant_sensors": {"sample period": lambda s: {"sample_period": s * 1e-6}},
+    "plant_sensors": {"sample period": lambda s: {"sensor_period": s * 1e-6}},
 }
 """By block: what is refused on one side; the threshold is at s = 1."""
 SEEN: dict[str, dict[str, tuple[str, Callable[[float], dict[str, Any]]]]] = {

@@ -109,10 +109,14 @@ def test_options_change_an_archive_s_run_as_they_change_a_scenario_s(loop: Path)
 # ---------------------------------------------------------------- what others can do
 
 ONLY_OURS: dict[str, tuple[Callable[[str], str], str]] = {
-    "a delay": (LOOPS["with a delay"], "has no delays of single connections"),
+    "a delay of more than the order of the steps makes": (
+        lambda text: LOOPS["in parallel"](LOOPS["with a delay"](text)),
+        "delays: regulator -> motor: a parallel exchange delays every connection by a step, and this by two",
+    ),
     "a rate": (
         LOOPS["at another rate"],
-        "loop.yaml:12: blocks.regulator.every: SSP steps all its blocks at one rate; expected 1",
+        "loop.yaml:12: blocks.regulator.every: other tools step all blocks at one rate, and its FMU has no parameter "
+        "sample_period",
     ),
     "a fault": (
         lambda text: text.replace("record:", "faults: [{at: 1 s, freeze: motor.speed}]\nrecord:"),
@@ -180,14 +184,20 @@ def test_a_container_is_valid_says_units_and_items_and_runs_the_loop_as_we_do(lo
     assert np.array_equal(result["motor.speed"], direct["motor.speed"])
 
 
+def test_a_delay_that_the_order_of_the_steps_makes_is_exported_as_a_connection(loop: Path) -> None:
+    loop.write_text(LOOPS["with a delay"](loop.read_text()))
+    printed("export", loop.name, "--container", "loop.fmu", "--ssp", "loop.ssp")
+    result = fmpy.simulate_fmu("loop.fmu", stop_time=2.0, output_interval=0.1, output=["motor.speed"])
+    assert np.array_equal(result["motor.speed"], orchestration.run(loop.name)["motor.speed"])
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ("with a delay", "a container has no delays of single connections"),
         (
             "at another rate",
-            "loop.yaml:12: blocks.regulator.every: a container steps all its blocks at one rate; expected 1 "
-            "(remedy: no 'every', and the slowest block's step for all)",
+            "loop.yaml:12: blocks.regulator.every: other tools step all blocks at one rate, and its FMU has no "
+            "parameter sample_period; remedy: no 'every', and the slowest block's step for all",
         ),
     ],
 )

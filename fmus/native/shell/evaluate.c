@@ -90,7 +90,7 @@ fmi2Status start(Instance *c, const char *function)
 
 fmi2Status make_outputs_fresh(Instance *c, const char *function)
 {
-    if (c->memory.fresh) {
+    if (c->memory.fresh || c->memory.held) {
         return fmi2OK;
     }
     if (make_law_current(c, function) != fmi2OK) {

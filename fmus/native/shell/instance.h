@@ -31,6 +31,9 @@ typedef struct {
     Parameters p;
     Inputs u;
     Outputs y;
+    struct {
+        double sample_period; /* s; 0: the block acts in each step */
+    } sampling;
 } Ports;
 
 extern const Variable variables[BLOCK_VARIABLES];
@@ -41,9 +44,12 @@ typedef enum { MODE_SETUP, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mod
 /* All that an instance remembers but for the block's state: what fmi2GetFMUstate saves, with that. */
 typedef struct {
     Ports ports;
-    double time; /* of the master, s */
-    double stop; /* beyond which no step may end, s; infinite where the master gave none */
+    double time;       /* of the master, s */
+    double begin;      /* startTime, from which the block's own instants count, s */
+    double stop;       /* beyond which no step may end, s; infinite where the master gave none */
+    uint64_t instants; /* of the block's own: how many it has acted at */
     Mode mode;
+    bool held;   /* ports.y are those of the last own instant, whatever the inputs are by now */
     bool set_up; /* fmi2SetupExperiment was called */
     bool fresh;  /* ports.y fit the state and the inputs */
 } Memory;

@@ -180,7 +180,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_de
         return refuse_fault(c, "fmi2SetupExperiment",
                             &(Fault){"stopTime", "a finite number, at least startTime", NULL, stop});
     }
-    c->memory.time = start; /* the block's t = 0 */
+    c->memory.time = c->memory.begin = start; /* the block's t = 0 */
     c->memory.stop = stop_defined != fmi2False ? stop : INFINITY;
     c->memory.set_up = true;
     return fmi2OK;

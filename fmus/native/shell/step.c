@@ -6,6 +6,14 @@
 static const double BEYOND_STOP =
     0.01; /* of a step: by how much it may end beyond stopTime, for masters that add up times */
 static const double ROUNDING = 1e-12; /* of a time */
+static const double SHORT = 0.01;     /* of a step: how much before an own instant it may end to reach it, likewise */
+
+/* Whether a step to `end` reaches the block's next own instant: a count of periods, so no error adds up. */
+static bool acts(const Memory *memory, double end, double h)
+{
+    const double period = memory->ports.sampling.sample_period;
+    return !(period > 0.0) || end >= memory->begin + (double)(memory->instants + 1u) * period - SHORT * h;
+}
 
 /* A step that fails changes nothing: the block works on a copy of its state, which then takes the place of it, and the
  * outputs are evaluated anew where they are read. */
@@ -35,20 +43,31 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boole
         put_number(&m, t + h);
         return refuse(c, &m);
     }
+    const double period = memory->ports.sampling.sample_period;
+    if (period > 0.0 && h > period + 1e-6 * period) {
+        return refuse_fault(c, "fmi2DoStep", &(Fault){"communicationStepSize", "at most sample_period", NULL, h});
+    }
     if (make_law_current(c, "fmi2DoStep") != fmi2OK) {
         return fmi2Error;
+    }
+    if (!acts(memory, t + h, h)) {
+        memory->time = t + h;
+        memory->held = true;
+        return fmi2OK;
     }
     Fault f = {"inputs", "", NULL, 0.0};
     State *x = other_state(c);
     memcpy(x, state_of(c), sizeof *x);
-    const bool stepped = block_step(&c->law, x, &memory->ports.u, h, &memory->ports.y, &f);
+    const bool stepped = block_step(&c->law, x, &memory->ports.u, period > 0.0 ? period : h, &memory->ports.y, &f);
     if (!stepped || !outputs_finite(c, "fmi2DoStep", &memory->ports.y)) {
-        memory->fresh = false;
+        memory->fresh = memory->held = false;
         return stepped ? fmi2Error : refuse_fault(c, "fmi2DoStep", &f);
     }
     commit_state(c);
     memory->time = t + h;
     memory->fresh = true;
+    memory->held = false;
+    ++memory->instants;
     return fmi2OK;
 }
 

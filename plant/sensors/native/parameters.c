@@ -80,13 +80,13 @@ static bool has_periods(const PlantSensorsParameters *p, Fault *f)
     const Named periods[] = {{"attitude_period", p->attitude_period}, {"rate_period", p->rate_period},
                              {"field_period", p->field_period},       {"orbit_period", p->orbit_period},
                              {"sun_period", p->sun_period},           {"telemetry_period", p->telemetry_period},
-                             {"sample_period", p->sample_period}};
+                             {"sensor_period", p->sensor_period}};
     for (size_t i = 0; i < COUNT(periods); ++i) {
         const double T = periods[i].value;
         if (!(T == 0.0 || (T >= PERIOD_MIN && isfinite(T)))) {
             const bool all = i + 1 == COUNT(periods);
             return fault(f, periods[i].name, T,
-                         all ? "0 (every step) or at least 1e-06 s" : "0 (sample_period) or at least 1e-06 s");
+                         all ? "0 (every step) or at least 1e-06 s" : "0 (sensor_period) or at least 1e-06 s");
         }
     }
     return true;
@@ -128,7 +128,7 @@ void plant_sensors_prepare(const PlantSensorsParameters *p, PlantSensorsLaw *law
                                     p->orbit_period,    p->sun_period,  p->telemetry_period};
     law->p = *p;
     for (int i = 0; i < CLOCKS; ++i) {
-        law->periods[i] = periods[i] > 0.0 ? periods[i] : p->sample_period;
+        law->periods[i] = periods[i] > 0.0 ? periods[i] : p->sensor_period;
     }
     for (int i = 0; i < SUN_SENSORS; ++i) {
         law->sun_axes[i] = unit(vector(p->sun_sensor_axes[i]));

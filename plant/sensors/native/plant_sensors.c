@@ -76,7 +76,7 @@ static bool tick(const PlantSensorsLaw *law, int i, double h, double *since, int
                                               "orbit_period",    "sun_period",  "telemetry_period"};
     const double T = law->periods[i], passed = *since + h;
     if (!(passed / T <= PERIODS_MAX)) {
-        const char *name = T == law->p.sample_period ? "sample_period" : names[i];
+        const char *name = T == law->p.sensor_period ? "sensor_period" : names[i];
         return fault(f, name, T, "at least 1e-09 of the communication step");
     }
     *periods = (int64_t)(passed / T + SNAP);

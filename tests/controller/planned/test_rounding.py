@@ -69,7 +69,7 @@ def test_each_sample_acts_at_the_same_step_whatever_the_rounding_of_the_master_s
 def test_each_measurement_is_taken_at_the_same_step_whatever_the_rounding_of_the_master_s_time(master, h, period):
     every, n = round(period / h), 210
     with Instance("plant_sensors") as it:
-        it.set("sample_period", period)
+        it.set("sensor_period", period)
         it.initialize()
         inputs = ({"h_w": 1e-3 * math.sin(i)} for i in range(1, n + 1))
         assert acting(it, lambda _: next(inputs), *MASTERS[master](h, n)) == list(range(every, n + 1, every))

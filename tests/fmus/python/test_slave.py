@@ -195,3 +195,31 @@ def test_the_fmu_gives_what_the_block_gives_when_called_directly(built_fmus: dic
                 assert np.array_equal(np.ravel(expected), np.ravel(value)), (k, name)
             x, out = module.step(x, u, p, 0.1)
             host.step(k)
+
+
+def test_a_block_with_a_sample_period_acts_at_its_own_instants_and_holds_in_between(path: Path) -> None:
+    """As one without that the host steps at these instants only; a saved state has their count."""
+    with Host(path) as own, Host(path) as slow:
+        own.started(mode=1, sample_period=0.5)
+        slow.started(mode=1)
+        saved = b""
+        for k in range(12):
+            own.set("rate", [3.0, 4.0 * k])
+            own.step(k)
+            if k == 6:
+                saved = own.serialized()
+            if k % 5 == 4:
+                slow.set("rate", [3.0, 4.0 * k])
+                slow.step(k // 5, h=0.5)
+            assert own.outputs() == slow.outputs()
+            held = own.get("speed")
+            own.set("rate", [30.0, 40.0])  # a Get after a Set evaluates the law at own instants only
+            assert own.get("speed") == (100.0 if k % 5 == 4 else held)
+            own.set("rate", [3.0, 4.0 * k])
+            own.get("speed")
+        own.restore(saved)
+        for k in range(7, 12):
+            own.set("rate", [3.0, 4.0 * k])
+            own.step(k)
+        assert own.outputs() == slow.outputs()
+        assert "at most sample_period = 0.5 s" in own.refuses(lambda: own.step(2, h=0.6))

@@ -72,7 +72,7 @@ def test_the_manoeuvre_settles_on_noisy_measurements_whose_errors_are_those_aske
 
 @pytest.mark.parametrize("period", ["0 s", "0.5 s"])
 def test_the_flavours_agree_in_the_loop(period):
-    data = scenario(**NOISE, seed=3, sample_period=period)
+    data = scenario(**NOISE, seed=3, sensor_period=period)
     native, python = (fly(data, 20.0, flavour=flavour) for flavour in ("native", "python"))
     for signal in ("plant.R_NB", "plant.omega_B", "sensors.b_B_measured", "sensors.r_N_measured"):
         largest = np.abs(python[signal]).max()
@@ -80,6 +80,6 @@ def test_the_flavours_agree_in_the_loop(period):
 
 
 def test_with_a_period_the_noise_is_held():
-    result = fly(scenario(**NOISE, sample_period="0.5 s"), 20.0)
+    result = fly(scenario(**NOISE, sensor_period="0.5 s"), 20.0)
     found = result["sensors.omega_B_measured"]
     assert (np.abs(np.diff(found, axis=0)).max(axis=1) > 0.0).tolist() == [i % 5 == 0 for i in range(1, 201)]

@@ -124,7 +124,7 @@ def test_the_largest_allan_deviation_of_the_instability_is_where_the_interface_s
 
 
 def test_the_angle_random_walk_keeps_its_density_at_every_period_and_step():
-    for changes, h, T in (({"rate_period": 0.5}, 0.1, 0.5), ({}, 0.1, 0.1), ({"sample_period": 0.2}, 0.1, 0.2)):
+    for changes, h, T in (({"rate_period": 0.5}, 0.1, 0.5), ({}, 0.1, 0.1), ({"sensor_period": 0.2}, 0.1, 0.2)):
         p = checked(angle_random_walk=1e-3, **changes)
         x, u = sensors.start(p, truth(omega_B=[0.0, 0.0, 0.0])), truth(omega_B=[0.0, 0.0, 0.0])
         for _ in range(5):
@@ -296,7 +296,7 @@ def test_a_fix_is_held_through_a_drop_out_and_no_number_counts_it():
 
 def test_each_sensor_has_its_own_period_and_number():
     periods = {"rate_period": 0.1, "field_period": 0.2, "attitude_period": 0.25, "orbit_period": 1.0, "sun_period": 0.5}
-    p = checked(**periods, sample_period=0.3)
+    p = checked(**periods, sensor_period=0.3)
     x = sensors.start(p, truth())
     for i in range(1, 21):
         x, y = sensors.step(x, truth(h_w=0.1 * i), p, 0.1)

@@ -152,7 +152,7 @@ def test_a_seed_gives_one_run_and_another_seed_another():
 
 
 def test_a_step_repeated_from_its_state_gives_the_same_numbers():
-    p = checked(**NOISY, sample_period=0.3)
+    p = checked(**NOISY, sensor_period=0.3)
     x = sensors.start(p, truth())
     for i in range(7):
         first, second = (sensors.step(x, truth(h_w=0.001 * i), p, 0.1) for _ in range(2))
@@ -174,27 +174,27 @@ def ramp(t: float):
 
 
 def test_measurements_are_held_for_their_period():
-    ys = run(checked(sample_period=0.3), 0.1, 12, ramp)
+    ys = run(checked(sensor_period=0.3), 0.1, 12, ramp)
     found = [y.h_w_measured for y in ys]
     assert found == pytest.approx([0.0, 0.0, 0.0, 0.3, 0.3, 0.3, 0.6, 0.6, 0.6, 0.9, 0.9, 0.9, 1.2], abs=1e-15)
 
 
 def test_where_steps_and_period_do_not_coincide_the_next_step_measures():
-    ys = run(checked(sample_period=0.25), 0.1, 10, ramp)
+    ys = run(checked(sensor_period=0.25), 0.1, 10, ramp)
     assert [round(y.h_w_measured, 9) for y in ys] == [0.0, 0.0, 0.0, 0.3, 0.3, 0.5, 0.5, 0.5, 0.8, 0.8, 1.0]
 
 
 def test_a_step_longer_than_the_period_takes_the_latest_measurement():
-    long = run(checked(**NOISY, sample_period=0.1), 0.5, 4, ramp)
-    short = run(checked(**NOISY, sample_period=0.1), 0.1, 20, ramp)
+    long = run(checked(**NOISY, sensor_period=0.1), 0.5, 4, ramp)
+    short = run(checked(**NOISY, sensor_period=0.1), 0.1, 20, ramp)
     for a, b in zip(long, short[::5], strict=True):
         assert vectors(a) == pytest.approx(vectors(b), rel=1e-14)
 
 
 @pytest.mark.parametrize("h", [0.05, 0.1, 0.125, 0.25])
 def test_with_a_period_results_do_not_depend_on_the_communication_step(h):
-    fine = run(checked(**NOISY, sample_period=0.5), 0.025, 400, ramp)
-    coarse = run(checked(**NOISY, sample_period=0.5), h, round(10.0 / h), ramp)
+    fine = run(checked(**NOISY, sensor_period=0.5), 0.025, 400, ramp)
+    coarse = run(checked(**NOISY, sensor_period=0.5), h, round(10.0 / h), ramp)
     stride = round(h / 0.025)
     for a, b in zip(coarse, fine[::stride], strict=True):
         assert vectors(a) == pytest.approx(vectors(b), rel=1e-14)
@@ -202,7 +202,7 @@ def test_with_a_period_results_do_not_depend_on_the_communication_step(h):
 
 def test_rounding_of_many_steps_delays_no_measurement():
     """A hundred thousand steps of 0.1: their sum is off by 1.9e-8."""
-    p, u = checked(sample_period=1.0), truth()
+    p, u = checked(sensor_period=1.0), truth()
     x = sensors.start(p, u)
     for i in range(1, 100001):
         x, _ = sensors.step(x, u, p, 0.1)
@@ -213,8 +213,8 @@ REFUSED = {
     "negative noise": ({"rate_noise": -1e-9}, "rate_noise", "-1e-09", "at least 0"),
     "noise without end": ({"field_noise": math.inf}, "field_noise", "inf", "finite"),
     "a bias that is no number": ({"field_bias_B": [0.0, math.nan, 0.0]}, "field_bias_B", "nan", "finite"),
-    "a negative period": ({"sample_period": -0.1}, "sample_period", "-0.1", "0 (every step) or at least 1e-06 s"),
-    "a period of nothing": ({"sample_period": 1e-7}, "sample_period", "1e-07", "0 (every step) or at least 1e-06 s"),
+    "a negative period": ({"sensor_period": -0.1}, "sensor_period", "-0.1", "0 (every step) or at least 1e-06 s"),
+    "a period of nothing": ({"sensor_period": 1e-7}, "sensor_period", "1e-07", "0 (every step) or at least 1e-06 s"),
     "a negative seed": ({"seed": -1}, "seed", "-1", "0 to 2147483647"),
 }
 
@@ -228,8 +228,8 @@ def test_is_refused_by_name_value_and_expectation(case):
 
 
 def test_a_step_of_more_than_a_thousand_million_periods_is_refused():
-    p = checked(sample_period=1e-6)
+    p = checked(sensor_period=1e-6)
     with pytest.raises(
-        ValueError, match=r"sample_period: expected at least 1e-09 of the step, 2000\.0 s, found 1e-06 s"
+        ValueError, match=r"sensor_period: expected at least 1e-09 of the step, 2000\.0 s, found 1e-06 s"
     ):
         sensors.step(sensors.start(p, truth()), truth(), p, 2000.0)
