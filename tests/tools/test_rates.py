@@ -1,4 +1,7 @@
-"""Scenarios with rates and delays in another host: FMPy steps the archive's components in their order, all at one rate."""
+"""Scenarios with rates and delays in another host: FMPy steps the components of the archive in their order.
+
+All have one rate there.
+"""
 
 from __future__ import annotations
 
