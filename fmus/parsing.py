@@ -2,9 +2,9 @@
 
 The TOML file
 -------------
-`[block]` has `name` and `description`, `flavours` where there is one only: `["native"]`, and `sampled = false` where the
-block has no instants of its own; any other gets the parameter `sample_period`, its last variable, which stands in no
-file. `[experiment]` has `stop` and `step`, in seconds. Each `[variables.NAME]` has
+`[block]` has `name` and `description`, `flavours` where there is one only: `["native"]`, and `sampled = false` where
+the block has no instants of its own; any other gets the parameter `sample_period`, its last variable, which stands in
+no file. `[experiment]` has `stop` and `step`, in seconds. Each `[variables.NAME]` has
 
 - `causality`: "input", "output" or "parameter";
 - `type`: "real" (the default), "integer", "boolean", "string" or "enumeration" (with `items`);
