@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from fractions import Fraction
 
 import pytest
 
 from fmus.build import ensure
+from fmus.interface import BLOCKS, load
 
 from .host import Host
 
@@ -127,3 +129,10 @@ def test_a_restored_state_has_the_tunable_parameters_that_it_was_saved_with_and_
     assert (host.get("kappa0"), host.get("tau_cmd_B")) == first
     host.step(1)  # the same inputs: the law of the parameters that were restored
     assert host.get("tau_cmd_B") == first[1]
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_the_step_of_the_default_experiment_divides_its_stop_time(block: str) -> None:
+    """Hosts that make whole steps only, such as fmusim, refuse the others."""
+    interface = load(block)
+    assert Fraction(repr(interface.stop)) % Fraction(repr(interface.step)) == 0

@@ -2,7 +2,7 @@
 #include "actuators.h"
 
 #define BLOCK_GUID "{a380701c-3188-96dd-d753-d1091510c3e1}"
-#define BLOCK_VARIABLES 25u
+#define BLOCK_VARIABLES 26u
 #define BLOCK_REAL_OUTPUTS 1u
 
 typedef ActuatorsParameters Parameters;

@@ -32,6 +32,7 @@ const Variable variables[BLOCK_VARIABLES] = {
     ROW("motor_max", p.motor_max, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 3.0, 1e-06, DBL_MAX, NULL, 0)
     ROW("friction_coulomb", p.friction_coulomb, KIND_REAL, CAUSALITY_PARAMETER, TUNABLE, 0.0, 0.0, DBL_MAX, NULL, 1)
     ROW("friction_viscous", p.friction_viscous, KIND_REAL, CAUSALITY_PARAMETER, TUNABLE, 0.0, 0.0, DBL_MAX, NULL, 0)
+    ROW("sample_period", sampling.sample_period, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 0.0, 0.0, DBL_MAX, NULL, 0)
 };
 
 const uint16_t real_outputs[BLOCK_REAL_OUTPUTS] = {10};

@@ -121,6 +121,9 @@ def _drive(host: Host, block: str, k: int, count: int) -> None:
         if block == "plant":
             host.set("dipole_cmd", [wave, 0.3, -wave])
             host.set("wheel_torque_cmd", 1e-4 * wave)
+        elif block == "plant_wheels":
+            host.set("dipole_cmd", [wave, 0.3, -wave])
+            host.set("wheel_torque_cmd", [1e-4 * wave, 0.0, -1e-4, 0.0])
         elif block in ("controller", "plant_judge", "supervisor"):
             host.set("omega_B", [0.02 * wave, 0.01, 0.003])
         elif block.startswith("allocator"):
