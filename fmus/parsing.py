@@ -26,8 +26,8 @@ no file. `[experiment]` has `stop` and `step`, in seconds. Each `[variables.NAME
 
 `[sets.NAME]` describes a second block of the same code, for a set of parts instead of one: `block`, its name, `count`,
 the largest number of parts, and `description`. Its interface is that of the file with `set = "NAME"` in `[block]`:
-there a variable with `each` has `count` as its first dimension, and depends on the elements of the same index of others
-with `each`. In the block for one part, names of variables with `only` fall out of the lists of dependencies.
+there a variable with `each` has `count` as its first dimension and depends on the elements of the same index of others
+with `each`; its terminal is `NAME_of_wheels`. In the block for one part names with `only` fall out of dependencies.
 
 `[helpers.NAME]` is an input for scenarios that stands for start values of parameters and is in no FMU: `type`, `shape`,
 `unit`, `display_unit`, `frame`, `min`, `max`, `description`, and `gives`, the parameter that follows. The function NAME
@@ -49,7 +49,7 @@ import itertools
 from dataclasses import replace
 from typing import Any
 
-from .part_sets import for_set
+from .part_sets import for_set, terminals_for
 from .variables import FLAVOURS, STEPS, Causality, Element, Interface, InterfaceError, Type, Variable
 
 ABSENT = 1e9
@@ -105,7 +105,7 @@ def parse(text: str, file: str = "<interface>") -> Interface:
         step=float(data["experiment"]["step"]),
         variables=variables,
         source=text,
-        terminals=_terminals(data.get("terminals", {}), variables, file),
+        terminals=terminals_for(_terminals(data.get("terminals", {}), variables, file), variables, chosen),
         equations=tuple((formula, meaning) for formula, meaning in data.get("page", {}).get("equations", ())),
         limits=tuple(data.get("page", {}).get("limits", ())),
         flavours=_flavours(data["block"], file),

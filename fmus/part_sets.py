@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from .variables import InterfaceError
+from .variables import InterfaceError, Variable
 
 Entry = dict[str, Any]
 
@@ -36,6 +36,19 @@ def for_set(
             raise InterfaceError(f"variables.{name}: {error}") from None
         made[name] = _several(entry, sets[entry["each"]]["count"]) if name in several else entry
     return made
+
+
+def terminals_for(
+    terminals: Mapping[str, tuple[str, ...]], variables: Mapping[str, Variable], chosen: str | None
+) -> dict[str, tuple[str, ...]]:
+    """Returns terminals by names that tell those with ports of a set, `wheel_momentum_of_wheels`, from those with a
+    port of one part: terminals of one name fit each other."""
+
+    def name_of(name: str, members: tuple[str, ...]) -> str:
+        of_set = chosen is not None and any(variables[member].each == chosen for member in members)
+        return f"{name}_of_{chosen}s" if of_set else name
+
+    return {name_of(name, members): members for name, members in terminals.items()}
 
 
 def _several(entry: Entry, count: int) -> Entry:

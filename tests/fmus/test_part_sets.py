@@ -96,6 +96,12 @@ def test_a_set_that_is_not_described_is_refused_by_name(text: str, message: str)
         parse(text)
 
 
+def test_the_terminals_of_a_set_do_not_fit_those_of_one_wheel() -> None:
+    one, four = load("plant").terminals, load("plant_wheels").terminals
+    assert set(four) - set(one) == {"actuator_commands_of_wheels", "wheel_momentum_of_wheels"}
+    assert set(four) - set(one) <= set(load("controller_wheels").terminals)
+
+
 def test_the_plant_for_a_set_has_all_that_the_one_for_one_wheel_has() -> None:
     one, four = load("plant"), load("plant_wheels")
     assert four.code == "plant"
