@@ -48,7 +48,11 @@ class Change:
         least = 0.0 if name == "delay" else 1e-9
         if not (name and least <= start < 1e9 and least <= end < 1e9 and start != end):
             raise InputError(
-                Problem(expected="NAME=FROM..TO with two numbers", found=repr(text), place=Place(f"--change {text}"))
+                Problem(
+                    expected="NAME=FROM..TO with two numbers that differ, above 0 (a delay also 0) and below 1e9",
+                    found=repr(text),
+                    place=Place(f"--change {text}"),
+                )
             )
         return Change(name, start, end)
 

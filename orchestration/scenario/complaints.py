@@ -117,7 +117,7 @@ def _problem(model: type[BaseModel], source: Source, detail: Any) -> Problem:
         return Problem(f"unknown key {key[-1]!r}{ending}", place=place)
     if kind == "missing":
         about = descriptions(_model_at(model, key[:-1])).get(str(key[-1]), "")
-        return source.error(key[:-1], f"{key[-1]!r} is missing: {_begin(about)}")
+        return source.error(key[:-1], f"{key[-1]!r} is missing" + (f": {_begin(about)}" if about else ""))
     return _wrong(detail).at(source.place(key))
 
 

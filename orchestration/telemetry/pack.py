@@ -27,6 +27,8 @@ def packed(scenario: Scenario, name: str, entry: Telemetry) -> Path:
     key = ("blocks", name, "telemetry")
     with scenario.source.naming((*key, "file")):
         path = located(entry.file, scenario.source.folder)
+        if path.is_dir():
+            raise InputError(f"{entry.file} is a folder; expected a file")
         if not path.is_file():
             raise InputError(f"there is no file {entry.file}")
     with scenario.source.naming(key):

@@ -79,6 +79,9 @@ class Record:
                 raise InputError(f"{name}: offset: expected {width} numbers, or rows of time and {width} numbers")
             if column.matrix is not None and any(len(row) != width for row in column.matrix):
                 raise InputError(f"{name}: matrix: expected rows of {width} numbers")
+            for key in ("offset", "matrix", "gain"):
+                if not all(np.isfinite(row).all() for row in getattr(column, key) or ()):
+                    raise InputError(f"{name}: {key}: expected finite numbers, found one that is not")
         self.header.place(self.entry.time.column)
 
     def _time_unit(self) -> tuple[float, float]:

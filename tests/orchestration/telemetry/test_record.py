@@ -69,6 +69,17 @@ def test_what_cannot_be_read_is_refused_at_its_line_and_column(tmp_path, text, m
     assert message in refused(tmp_path, text, **more)
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    [{"gain": [[0, 1], [5, np.nan]]}, {"offset": [0, np.inf]}, {"matrix": [[1, np.nan], [0, 1]]}],
+    ids=lambda wrong: next(iter(wrong)),
+)
+def test_a_correction_that_is_not_finite_is_refused_and_not_taken_for_missing_values(tmp_path, wrong):
+    columns = {"w": {**COLUMNS["w"], **wrong}}
+    message = f"w: {next(iter(wrong))}: expected finite numbers"
+    assert message in refused(tmp_path, "t,x,y\n0,1,2\n", columns=columns)
+
+
 def test_nan_is_refused_where_a_value_is_required(tmp_path):
     columns = {"w": {"of": ["x"], "unit": "deg/s", "required": True}}
     with pytest.raises(InputError, match="log.csv:3: x: expected a value, since w is required, found 'nan'"):
