@@ -139,8 +139,8 @@ def test_what_other_tools_would_pass_over_is_refused_and_kept_on_demand(loop: Pa
     assert back.scenario.faults == direct.scenario.faults
 
 
-@pytest.mark.parametrize("scenario", ["flight_tumble", "fault_lost_magnetometer"])
-def test_the_scenarios_with_rates_and_faults_are_refused(scenario: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("scenario", ["track_ground_station", "fault_lost_magnetometer"])
+def test_the_scenarios_with_faults_or_a_timeline_are_refused(scenario: str, tmp_path: Path) -> None:
     for option, name in (("--ssp", "x.ssp"), ("--container", "x.fmu")):
         printed("export", ROOT / "scenarios" / f"{scenario}.yaml", option, tmp_path / name, status=2)
 
