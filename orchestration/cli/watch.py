@@ -1,6 +1,6 @@
 """A run whose FMUs of others share its process is waited for: one that ends the process does not end it with status 0.
 
-Tests: tests/orchestration/cli/test_watch.py.
+Tests: tests/orchestration/instances/test_surroundings.py, tests/orchestration/results/test_endings.py.
 """
 
 from __future__ import annotations
@@ -20,20 +20,23 @@ from ..session.limits import limits
 from .console import complain
 from .status import BLOCK_FAILED
 
+_WAITED = {getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGCHLD") if hasattr(signal, name)}
+
 
 @contextmanager
 def watched(scenario: Scenario) -> Iterator[None]:
     """Goes on in a process of its own where FMUs of others run in this one; this one waits for it, and says where an
-    FMU has ended it. Not on Windows, and not where the command is called by another program's Python."""
+    FMU has ended it. Only on Linux, and not where the command is called by another program's Python."""
     guests = any(is_path(entry.fmu) and limits(scenario, name) is None for name, entry in scenario.blocks.items())
-    if not guests or not hasattr(os, "fork") or sys.stdout is not sys.__stdout__:
+    if not guests or not hasattr(signal, "sigwaitinfo") or sys.stdout is not sys.__stdout__:
         yield
         return
     print(end="", flush=True)
     print(end="", flush=True, file=sys.stderr)
-    master = os.getpid()
+    master, before = os.getpid(), signal.pthread_sigmask(signal.SIG_BLOCK, _WAITED)
     if child := os.fork():
-        _wait(child)
+        _wait(child, before)
+    signal.pthread_sigmask(signal.SIG_SETMASK, before)
     end_with(master)
     try:
         yield
@@ -41,17 +44,18 @@ def watched(scenario: Scenario) -> Iterator[None]:
         TRACE.finish()
 
 
-def _wait(child: int) -> NoReturn:
-    """Ends as the child does, or with the status of an FMU that failed."""
+def _wait(child: int, before: set[int]) -> NoReturn:
+    """Ends as the child does, or with the status of an FMU that failed; passes on what other processes send.
 
-    def pass_on(number: int, frame: object) -> None:
-        with suppress(ProcessLookupError):
-            os.kill(child, number)
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal sends it to both
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, pass_on)
-    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    The terminal sends its signals to both. `before` is the mask of signals without those that are waited for here.
+    """
+    while (ended := os.waitpid(child, os.WNOHANG))[0] == 0:
+        came = signal.sigwaitinfo(_WAITED)
+        if came.si_signo != signal.SIGCHLD and came.si_code <= 0:  # from a process, not from the kernel
+            with suppress(ProcessLookupError):
+                os.kill(child, came.si_signo)
+    signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    status = os.waitstatus_to_exitcode(ended[1])
     if TRACE.done or -status in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         if status < 0:
             signal.signal(-status, signal.SIG_DFL)
