@@ -25,7 +25,7 @@ def common(interface: Interface, folder: Path, licence: Path | None, host: str) 
     found = {
         "documentation/index.html": index_html(interface, host),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(interface),
-        **(references(folder) if interface.name == interface.code else {}),  # they are of the block for one part
+        **references(folder / f"reference_data{interface.name.removeprefix(interface.code)}"),
     }
     if licence is not None and licence.exists():
         found["documentation/licenses/license.txt"] = licence.read_bytes()

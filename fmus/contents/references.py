@@ -1,4 +1,5 @@
-"""The reference data that an FMU of a block carries (FMI-LS-REF), as they stand in the block's folder `reference_data`.
+"""The reference data that an FMU of a block carries (FMI-LS-REF), as they stand in the block's folder `reference_data`,
+or `reference_data_wheels` for its set of wheels.
 Tests: tests/tools/test_references.py."""
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ Play it: orchestrate check FMU --as BLOCK
 
 
 def references(folder: Path) -> dict[str, bytes]:
-    """The files by their paths in the FMU; none where the block has none."""
-    paths = sorted(path for path in (folder / "reference_data").glob("*") if path.is_file())
+    """The files of a folder `reference_data` by their paths in the FMU; none where there is none."""
+    paths = sorted(path for path in folder.glob("*") if path.is_file())
     found = {f"{FOLDER}/{path.name}": path.read_bytes().replace(b"\r\n", b"\n") for path in paths}
     return found | ({"documentation/fmi-ls-ref.txt": _ABOUT.encode()} if found else {})
