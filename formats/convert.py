@@ -12,6 +12,7 @@ import yaml
 
 from orchestration.errors import InputError, Place, Problem, writing
 from orchestration.results.data import RunData
+from orchestration.results.place import FILES, MANIFEST
 from orchestration.results.whole import putting
 from orchestration.session.read import load
 
@@ -47,6 +48,9 @@ def convert(
         raise InputError(Problem(expected=f"one of {', '.join(FORMATS)}", found=repr(to), place=Place("to")))
     data = result if isinstance(result, Recorded) else recorded(result)
     target = out if out is not None else Path(f"{data.name}{FORMATS[to]}" if to != "ck" else f"{data.name}-ck")
+    if target.name in FILES and target.with_name(MANIFEST).exists():
+        expected, found = "a file that is none of a run's own", str(target)
+        raise InputError(Problem(expected=expected, found=found, place=Place("--out")))
     if to == "hdf5":
         try:
             epoch: str | None = epoch_of(data, ports.epoch)

@@ -17,6 +17,7 @@ from .recorded import Recorded
 Floats = NDArray[np.float64]
 _ORTHONORMAL = 1e-4
 """How far a matrix of attitude may be from a rotation, as the blocks take it."""
+_UNITS = {"rate": "rad/s", "position": "m", "velocity": "m/s"}
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,9 @@ def motion(data: Recorded, frame: str, ports: Ports) -> Motion:
             expected = "a vector of three elements"
             shape = f"the shape {found.shape[1:]}"
             raise InputError(Problem(expected=expected, found=shape, place=Place(f"--{option}", name=name)))
+        if (unit := data.units.get(name, _UNITS[option])) != _UNITS[option]:
+            place = Place(f"--{option}", name=name)
+            raise InputError(Problem(expected=f"the unit {_UNITS[option]}", found=unit, place=place))
         return found[kept]
 
     position, velocity = vector("position"), vector("velocity")

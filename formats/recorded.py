@@ -35,7 +35,7 @@ class Recorded:
     """UTC at which the run ended, ISO 8601."""
 
     def signal(self, name: str, option: str) -> NDArray[np.float64]:
-        """Returns a signal. Raises InputError, which names the option, where it was not recorded."""
+        """Returns a signal. Raises InputError, which names the option, where it was not recorded or is not finite."""
         if name not in self.signals:
             raise InputError(
                 Problem(
@@ -44,7 +44,11 @@ class Recorded:
                     place=Place(option),
                 )
             )
-        return self.signals[name]
+        values = self.signals[name]
+        if (wrong := ~np.isfinite(values.reshape(len(values), -1)).all(axis=1)).any():
+            found = f"a value that is none at {self.time[wrong.argmax()]:.10g} s"
+            raise InputError(Problem(expected="finite numbers", found=found, place=Place(option, name=name)))
+        return values
 
 
 def recorded(result: RunData | Path) -> Recorded:

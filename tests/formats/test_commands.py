@@ -99,3 +99,21 @@ def test_wrong_input_is_told_without_a_traceback(result, tmp_path, arguments, me
     done = convert(*(str(tmp_path / "out") if a == "FOLDER" else a for a in arguments))
     assert done.exit_code == 2
     assert message in done.stderr
+
+
+def test_what_is_not_finite_or_has_another_unit_is_refused_and_the_runs_own_files_stay(result, tmp_path):
+    folder = result.save(tmp_path / "out")
+    told = convert(folder, "--to", "aem", "--rate", "plant.r_N")
+    assert (told.exit_code, "expected the unit rad/s, found m" in told.stderr) == (2, True)
+    told = convert(folder, "--to", "hdf5", "--out", folder / "manifest.json")
+    assert (told.exit_code, "none of a run's own" in told.stderr) == (2, True)
+    lines = (folder / "signals.csv").read_text().splitlines()
+    column = lines[0].split(",").index("plant.R_NB[1][1]")
+    row = lines[3].split(",")
+    row[column] = "nan"
+    (folder / "signals.csv").write_text("\n".join([*lines[:3], ",".join(row), *lines[4:]]) + "\n")
+    told = convert(folder, "--to", "aem", "--out", tmp_path / "a.aem")
+    assert told.exit_code == 2
+    assert "plant.R_NB" in told.stderr
+    assert f"at {float(row[0]):.10g} s" in told.stderr
+    assert not (tmp_path / "a.aem").exists()
