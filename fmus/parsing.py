@@ -1,5 +1,7 @@
 """Reads an interface from its TOML file.
 
+Longer than 250 lines: the description of the format stands here, beside what reads it.
+
 The TOML file
 -------------
 `[block]` has `name` and `description`, `flavours` where there is one only: `["native"]`, and `sampled = false` where

@@ -2,6 +2,7 @@
 
 Carried by every Python FMU, so it needs the standard library and numpy only. A call that fails leaves the
 instance as it was before the call.
+Longer than 250 lines: the calls of FMI share one state, as in PythonFMU.
 """
 
 from __future__ import annotations

@@ -48,8 +48,10 @@ def prepare(scenario: Scenario, models: Mapping[str, Model]) -> tuple[list[Check
         for number, expectation in enumerate(scenario.expect):
             name = " ".join(expectation.name.split())
             if not name or first.setdefault(name, number) != number:
-                message = f"is that of expect[{first[name] + 1}], too; expected another"
-                problems.append(scenario.error(("expect", number, "name"), message if name else "must not be blank"))
+                message = (
+                    f"is that of expect[{first[name] + 1}], too; expected another" if name else "must not be blank"
+                )
+                problems.append(scenario.error(("expect", number, "name"), message))
                 continue
             if shortened and expectation.after is not None and expectation.after > scenario.duration:
                 notes.append(f"not looked at, since the run ends before {expectation.after:.10g} s: {expectation.name}")

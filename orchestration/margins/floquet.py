@@ -8,6 +8,7 @@ itself may vanish beneath the smallest number. Where the observed state is not t
 A difference of rotations (a 3 by 3 matrix) is the rotation vector of R_a^T R_b; of all else the difference itself.
 
 Tests: tests/orchestration/margins/test_floquet.py, tests/design/test_floquet.py.
+Longer than 250 lines: the flights, the fit and the product of its factors are one computation.
 """
 
 from __future__ import annotations

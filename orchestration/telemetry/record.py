@@ -1,6 +1,7 @@
 """A file as a scenario's `telemetry` describes it: times from the start of the run, and the ports' values, in blocks.
 
 A million rows of ten columns take 20 s and the memory of one block. Tests: tests/orchestration/telemetry.
+Longer than 250 lines: times, values and their checks are read in one pass.
 """
 
 from __future__ import annotations
