@@ -61,7 +61,7 @@ def _quantity(option: str, text: str | None, unit: Unit) -> float | None:
 def momentum_bound(
     ctx: click.Context, scenario: Path, time: str | None, dipole_max: str | None, horizon: str, sets: tuple[str, ...]
 ) -> None:
-    """Compute the least time of a manoeuvre: a proven lower bound.
+    """Compute a proven lower bound of a manoeuvre's time.
 
     No controller flies SCENARIO's manoeuvre sooner, by the balance of angular momentum. Exit status 1 where --time is
     impossible."""

@@ -81,7 +81,9 @@ def command(
     scenario: Path | None,
     goal: str,
 ) -> None:
-    """Write a run in a format of the field, or compare it with an attitude ephemeris.
+    """Write a run in a format of the field.
+
+    Or compare it with an attitude ephemeris (--compare).
 
     RESULT is the folder of a run. From an AEM, --to timeline makes a scenario whose supervisor points as it says.
     Exit status: 0 all well, 1 the attitudes differ by more than --tolerance, 2 wrong input, 4 not written.

@@ -35,7 +35,10 @@ FILE = click.Path(path_type=Path, exists=False)
 OUT = click.option("--out", type=FILE, metavar="FILE", help="Also write the result as JSON.")
 
 
-@click.group("calibrate")
+@click.group(
+    "calibrate",
+    epilog=examples("orchestrate calibrate magnetometer log.yaml", "orchestrate calibrate gyro log.yaml"),
+)
 def calibrate_() -> None:
     """Calibrate sensors by a log in flight."""
 
@@ -115,9 +118,9 @@ def gyro(ctx: click.Context, file: Path, known: Path | None, out: Path | None) -
 @OUT
 @click.pass_context
 def identify_(ctx: click.Context, files: tuple[Path, ...], fit_: str, out: Path | None) -> None:
-    """Identify ratios of inertia from free motion, and forecast the rest of each record.
+    """Identify ratios of inertia from free motion.
 
-    Exit status 1 where the records do not show the ratios.
+    Forecasts the rest of each record. Exit status 1 where the records do not show the ratios.
     """
     try:
         end = value_in(fit_, SECOND)
@@ -155,7 +158,9 @@ def identify_(ctx: click.Context, files: tuple[Path, ...], fit_: str, out: Path 
 @click.option("--step", default="10 s", show_default=True, metavar="T", help="From row to row.")
 @click.option("--out", type=FILE, required=True, metavar="FILE", help="The CSV file.")
 def ephemeris(tle: Path, start: str, duration: str, step: str, out: Path) -> None:
-    """Write position and velocity in N by element sets (SGP4), for a `telemetry` block.
+    """Write the orbit of element sets (SGP4) as a log.
+
+    Position and velocity in N, for a `telemetry` block.
 
     Also prints what puts a plant on this orbit.
     """

@@ -95,7 +95,9 @@ def command(
     out: Path | None,
     json_: bool,
 ) -> None:
-    """Measure the stability margins of a loop, or its Floquet multipliers.
+    """Measure the stability margins of a loop.
+
+    Or its Floquet multipliers (--orbit).
 
     Small sines are added to the signal at BLOCK.PORT, an input (for it alone) or an output (for all that it feeds), and
     what comes back is compared with a flight without them. Gives gain, phase, delay and disk margins of each element

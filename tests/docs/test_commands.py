@@ -88,6 +88,9 @@ def test_a_command_named_in_a_sentence_exists(page: str) -> None:
         else:
             context = click.Context(main)
             known = main.get_command(context, words[0]) or main.get_command(context, "run")
+            while isinstance(known, click.Group) and words[1:]:
+                words = words[1:]
+                known = known.get_command(context, words[0])
             assert known
             assert options(words) <= options_of(known), command
 

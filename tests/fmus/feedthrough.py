@@ -66,6 +66,7 @@ def settings(block: str) -> Iterator[dict[str, Any]]:
             "residual_dipole_B": ([0.1, 0.2, 0.3],),
             "wheel_viscous_friction": ([1e-6] * 4,),
         },
+        "controller_wheels": {"wheels": (4,), "rod_axes": (rod_axes,)},
         "plant_sensors": {
             "attitude_noise": (0.0, 0.1),
             "sun_sensor": ("coarse", "fine"),
@@ -139,6 +140,9 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         sizes |= {f"{name}_sample": -1 for name in ("rate", "field", "attitude", "orbit", "sun")}
         sizes |= {"sun_B_measured": rng.normal(size=3), "dipole": 3.0 * rng.normal(size=3)}
         sizes |= {"wheel_torque": 1e-4 * rng.normal()}
+    for variable in interface.of("input"):
+        if variable.each is not None and variable.shape:  # a set of parts: each its own
+            sizes[variable.name] = sizes[variable.name] * rng.uniform(-1.5, 1.5, size=variable.shape)
     given = {v.name: sizes[v.name] for v in interface.of("input")}
     for bit, name in enumerate(v.name for v in interface.of("input") if v.optional):
         if kind >> bit & 1 and interface.name != "supervisor":  # whose modes need their set-points

@@ -59,6 +59,7 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
             {"r_N_measured": [6971.0, 0.0, 0.0]},
         ],
         "plant": [{"rod_period": 5e-4}],
+        "plant_wheels": [{"rod_period": 5e-4}],
         "supervisor": [
             {"J_B": np.diag([1.0, 1.0, 2.1])},
             {"rate_lost": 1e-3},

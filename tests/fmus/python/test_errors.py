@@ -73,7 +73,7 @@ def test_an_output_that_is_not_as_the_interface_says_is_named(wrong: dict[str, A
     interface = parse(INTERFACE)
     block: Any = ModuleType("block")
     for causality in ("parameter", "input", "output"):
-        names = [v.name for v in interface.variables.values() if v.causality == causality]
+        names = [v.name for v in interface.of(causality)]
         setattr(block, f"{causality.title()}s", make_dataclass(causality, names))
     layout = Layout(interface, block)
     right: dict[str, Any] = {"sum": np.zeros(2), "first_rate": np.zeros(2), "speed": 0.0, "steps": 0}
