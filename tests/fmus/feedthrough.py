@@ -141,7 +141,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         sizes |= {"sun_B_measured": rng.normal(size=3), "dipole": 3.0 * rng.normal(size=3)}
         sizes |= {"wheel_torque": 1e-4 * rng.normal()}
     for variable in interface.of("input"):
-        if variable.each is not None and variable.shape:  # a set of parts: each its own
+        if len(variable.shape) == 1 and np.ndim(sizes.get(variable.name, [])) == 0:  # a set of wheels: each its own
             sizes[variable.name] = sizes[variable.name] * rng.uniform(-1.5, 1.5, size=variable.shape)
     given = {v.name: sizes[v.name] for v in interface.of("input")}
     for bit, name in enumerate(v.name for v in interface.of("input") if v.optional):

@@ -253,7 +253,14 @@ def test_outputs_follow_at_once_the_inputs_that_they_declare_and_no_others(case)
         assert any(element == e and output in (o, "") for o, e in known), f"{element} is seen: take it off the list"
 
 
-POINTS = {"controller_planned": 64, "allocator": 80, "estimator": 12, "supervisor": 10}
+POINTS = {
+    "plant_wheels": 64,
+    "controller_wheels": 64,
+    "controller_planned": 64,
+    "allocator": 80,
+    "estimator": 12,
+    "supervisor": 10,
+}
 
 
 @pytest.mark.parametrize(
