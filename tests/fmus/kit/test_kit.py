@@ -50,7 +50,9 @@ def flown(block: str, folder: Path) -> list[str]:
     return ["--scenario", str(path)]
 
 
-@pytest.fixture(scope="module", params=some([block for block in BLOCKS if block not in SETS], "plant", "allocator", "supervisor"))
+@pytest.fixture(
+    scope="module", params=some([block for block in BLOCKS if block not in SETS], "plant", "allocator", "supervisor")
+)
 def c_kit(request, tmp_path_factory) -> tuple[str, Path]:
     folder = tmp_path_factory.mktemp("kits") / request.param
     result = orchestrate("new", request.param, folder, "--lang", "c", *flown(request.param, folder.parent))
