@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from dataclasses import replace
 from pathlib import Path
 
 from .. import places
@@ -49,7 +50,13 @@ def refuse_other(interface: Interface, folder: Path, *more: str) -> None:
 
 def for_teams(interface: Interface) -> Interface:
     """The interface without `flavours`: a team may build in Python what we have in C only."""
-    return parse(re.sub(r"(?m)^flavours *=.*\n", "", interface.source), f"{interface.name}.toml")
+    return own(re.sub(r"(?m)^flavours *=.*\n", "", interface.source), f"{interface.name}.toml")
+
+
+def own(text: str, file: str) -> Interface:
+    """The interface of a block with code of its own: the project's block for a set shares that of one part."""
+    interface = parse(text, file)
+    return replace(interface, code=interface.name)
 
 
 def write(interface: Interface, folder: Path, language: str) -> list[Path]:
@@ -109,5 +116,5 @@ def put(path: Path, data: bytes | str) -> Path:
 
 def regenerate(folder: Path) -> list[Path]:
     """Writes `generated/` anew from the folder's interface.toml."""
-    interface = parse((folder / "interface.toml").read_text("utf-8"), str(folder / "interface.toml"))
+    interface = own((folder / "interface.toml").read_text("utf-8"), str(folder / "interface.toml"))
     return [put(folder / "generated" / name, text) for name, text in generated(interface).items()]

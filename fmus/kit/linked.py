@@ -11,11 +11,11 @@ from pprint import pformat
 from typing import NamedTuple
 
 from .. import link, native
-from ..interface import Interface, Variable, parse
+from ..interface import Interface, Variable
 from ..link import wire
 from ..native import COMMON
 from ..native.generate import TEXT_SIZE, camel_case, ports_header
-from . import for_teams, put, refuse_other
+from . import for_teams, own, put, refuse_other
 from .fill import filled
 
 PARTS = ("firmware", "link", "ports.py", "bench.py")
@@ -56,7 +56,7 @@ def is_of_device(folder: Path) -> bool:
 def regenerate(folder: Path) -> list[Path]:
     """Writes what is generated anew from the folder's interface.toml, the link FMU too. Raises
     CompilerError, InterfaceError."""
-    interface = parse((folder / "interface.toml").read_text("utf-8"), str(folder / "interface.toml"))
+    interface = own((folder / "interface.toml").read_text("utf-8"), str(folder / "interface.toml"))
     return write(interface, folder, "c" if (folder / "firmware").is_dir() else "python")
 
 
