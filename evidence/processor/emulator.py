@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from orchestration import InputError
 
-from .firmware import MACHINE, tool
+from ..tools import tool
+from .firmware import MACHINE
 
 TICK = 40
 """Instructions in a tick of the board's counter: it counts at 25 MHz, and an instruction takes 1 ns of the board's

@@ -8,7 +8,6 @@ Tests: tests/evidence/processor/test_stack.py.
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -20,9 +19,12 @@ from fmus.kit.linked import lay_out
 from fmus.native.toolchain import FREESTANDING
 from orchestration import InputError
 
+from ..tools import tool
+
 MEASURE = Path(__file__).with_name("measure.c")
 MACHINE = "mps2-an500"
 PROCESSOR = ("-mcpu=cortex-m7", "-mthumb", "-mfpu=fpv5-d16", "-mfloat-abi=hard")
+PROGRAMS = ("arm-none-eabi-gcc", "arm-none-eabi-size", "qemu-system-arm")
 FLAGS = (
     *("-std=c11", "-O2", "-ffreestanding", "-ffunction-sections", "-fdata-sections", "-fcallgraph-info=su"),
     # The same operations in the same order as in the FMU.
@@ -30,11 +32,6 @@ FLAGS = (
     # memcpy is a loop in freestanding/memory.c, which must not become a call of memcpy.
     *("-fno-tree-loop-distribute-patterns", "-Wall", "-Wextra", "-Wconversion", "-Wno-unknown-pragmas", "-Werror"),
 )
-PACKAGES = {
-    "arm-none-eabi-gcc": "gcc-arm-none-eabi",
-    "arm-none-eabi-size": "binutils-arm-none-eabi",
-    "qemu-system-arm": "qemu-system-arm",
-}
 
 
 @dataclass(frozen=True)
@@ -52,16 +49,6 @@ class Firmware:
     """With the line's buffers, without the stack."""
     stack: int
     """The deepest chain of calls from the block's function on, by the compiler's call graph."""
-
-
-def tool(name: str) -> str:
-    """The program's path. Raises InputError with how to get it."""
-    path = shutil.which(name)
-    if path is None:
-        raise InputError(
-            f"{name} is not installed; remedy: apt install {PACKAGES[name]}, or your system's package of it"
-        )
-    return path
 
 
 def build(name: str, folder: Path) -> Firmware:

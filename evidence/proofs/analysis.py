@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import re
-import shutil
 import subprocess
 import time
 from collections.abc import Sequence
@@ -16,13 +15,8 @@ from pathlib import Path
 
 from orchestration import InputError
 
-PACKAGES = {
-    "frama-c": "frama-c-base",
-    "z3": "z3",
-    "cppcheck": "cppcheck",
-    "clang-tidy": "clang-tidy",
-}
-"""Programs, and Debian's packages of them."""
+from ..tools import tool
+
 MACHINE = "gcc_x86_64"
 FLAGS = (
     *("-machdep", MACHINE, "-eva", "-eva-split-return", "auto"),
@@ -56,16 +50,6 @@ class Result:
     statements: tuple[int, int]
     """Reached, and all, of the functions that were analysed."""
     seconds: float
-
-
-def tool(name: str) -> str:
-    """The program's path. Raises InputError with how to get it."""
-    path = shutil.which(name)
-    if path is None:
-        raise InputError(
-            f"{name} is not installed; remedy: apt install {PACKAGES[name]}, or your system's package of it"
-        )
-    return path
 
 
 def analyse(

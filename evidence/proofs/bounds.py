@@ -18,7 +18,8 @@ from fmus.native import COMMON, generated_sources
 from fmus.native.toolchain import FREESTANDING
 from orchestration import InputError
 
-from ..processor.firmware import FLAGS, PROCESSOR, deepest, tool
+from ..processor.firmware import FLAGS, PROCESSOR, deepest
+from ..tools import tool
 
 HEAP = ("malloc", "calloc", "realloc", "free", "alloca")
 CALLS = ("check", "prepare", "start", "outputs", "step")

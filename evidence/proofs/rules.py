@@ -21,7 +21,7 @@ from fmus.places import PACKAGES
 from orchestration import InputError
 from orchestration.cli.console import say
 
-from .analysis import tool
+from ..tools import tool
 from .subjects import ELEMENTARY, HERE
 
 BLOCKS = ("allocator", "allocator_bounded", "controller", "supervisor", "estimator")

@@ -7,8 +7,8 @@ import socket
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -75,9 +75,9 @@ def instance(block: str, **settings: Any) -> Instance:
 
 
 @contextmanager
-def running(block: str, *line: str) -> Iterator[subprocess.Popen[bytes]]:
-    """A device that serves a line: `running("controller", "udp", "5020")`."""
-    process = subprocess.Popen([program(block), *line], stdout=subprocess.PIPE)
+def started(command: Sequence[str | Path], **options: Any) -> Iterator[subprocess.Popen[bytes]]:
+    """A program that says when it is ready, until the block of code is left; `options` are those of Popen."""
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, **options)
     try:
         assert process.stdout is not None
         assert process.stdout.readline() == b"ready\n"
@@ -85,6 +85,11 @@ def running(block: str, *line: str) -> Iterator[subprocess.Popen[bytes]]:
     finally:
         process.kill()
         process.wait()
+
+
+def running(block: str, *line: str, **options: Any) -> AbstractContextManager[subprocess.Popen[bytes]]:
+    """A device that serves a line: `running("controller", "udp", "5020")`."""
+    return started([program(block), *line], **options)
 
 
 def free_port(kind: int = socket.SOCK_DGRAM) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from evidence.processor.emulator import Emulator
-from evidence.processor.firmware import PACKAGES, build
+from evidence.processor.firmware import PROGRAMS, build
 from tests.machine import require
 from tests.native.driver import Instance
 
@@ -15,7 +15,7 @@ STEPS = 10
 
 
 def test_the_controller_on_an_emulated_cortex_m7_has_the_bits_of_the_native_fmu(tmp_path):
-    require(*PACKAGES)
+    require(*PROGRAMS)
     with Instance("controller") as block:
         direct = flown(block, STEPS)
     with (

@@ -10,8 +10,7 @@ import sys
 import textwrap
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 from random import Random
 
@@ -96,7 +95,10 @@ def _caller(port: str) -> socket.socket:
 @pytest.mark.parametrize("transport", ["udp", "tcp"])
 def test_a_second_run_is_refused_by_the_token_of_the_first_and_both_are_named(transport):
     port = devices.free_port()
-    with _listening("controller", transport, port) as process, asked(f"127.0.0.1:{port}", transport) as first:
+    with (
+        devices.running("controller", transport, port, stderr=subprocess.PIPE) as process,
+        asked(f"127.0.0.1:{port}", transport) as first,
+    ):
         flown(first, 5)
         with asked(f"127.0.0.1:{port}", transport, time_out=0.3) as second, pytest.raises(Refused) as refused:
             second.initialize()
@@ -129,18 +131,6 @@ def test_the_device_is_free_when_a_run_ends_and_soon_after_one_that_was_killed()
         killed.__exit__(None, None, None)
 
 
-@contextmanager
-def _listening(block: str, *line: str) -> Iterator[subprocess.Popen[bytes]]:
-    process = subprocess.Popen([devices.program(block), *line], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    try:
-        assert process.stdout is not None
-        assert process.stdout.readline() == b"ready\n"
-        yield process
-    finally:
-        process.kill()
-        process.wait()
-
-
 def _python(*line: str) -> list[str]:
     """A Python device with the ports of a lamp."""
     program = f"""
@@ -157,18 +147,9 @@ def _c(*line: str) -> list[str]:
     return [str(devices.program("controller")), *line]
 
 
-@contextmanager
-def _started(command: list[str]) -> Iterator[subprocess.Popen[bytes]]:
+def _started(command: list[str]) -> AbstractContextManager[subprocess.Popen[bytes]]:
     root = str(Path(__file__).parents[3])
-    environment = {**os.environ, "PYTHONPATH": root}
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
-    try:
-        assert process.stdout is not None
-        assert process.stdout.readline() == b"ready\n"
-        yield process
-    finally:
-        process.kill()
-        process.wait()
+    return devices.started(command, stderr=subprocess.PIPE, env={**os.environ, "PYTHONPATH": root})
 
 
 @pytest.mark.parametrize("end", [_c, _python], ids=["C", "Python"])
