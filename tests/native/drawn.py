@@ -10,12 +10,14 @@ from scipy.spatial.transform import Rotation
 
 from tests.blocks import inputs, parameters
 
+from .matrices import inertia, positive_definite, rotation, unit
+
 
 def controller_case(rng: np.random.Generator, connected: bool = False) -> tuple[Any, Any]:
     angle = rng.choice([0.0, 1e-9, rng.uniform(0.0, math.pi), math.pi - 1e-9, math.pi])
-    axis = _unit(rng)
-    r_N = _unit(rng) * rng.uniform(6.6e6, 4e7)
-    desired = _rotation(rng)
+    axis = unit(rng)
+    r_N = unit(rng) * rng.uniform(6.6e6, 4e7)
+    desired = rotation(rng)
     given = {
         "R_ref": desired * rng.choice([0.0, 1.0], p=[0.2, 0.8]),
         "Omega_ref": rng.normal(scale=0.1, size=3),
@@ -43,7 +45,7 @@ def controller_case(rng: np.random.Generator, connected: bool = False) -> tuple[
         kappa0=rng.uniform(0.01, 1.0),
         lambda0=rng.uniform(0.01, 2.0),
         reference=str(rng.choice(["lvlh", "inertial", "rate"])),
-        R_d0=_rotation(rng) + rng.uniform(-1e-4, 1e-4, (3, 3)),
+        R_d0=rotation(rng) + rng.uniform(-1e-4, 1e-4, (3, 3)),
         Omega_d0=rng.normal(scale=0.1, size=3),
     )
     return p, u
@@ -154,7 +156,7 @@ def plant_case(rng: np.random.Generator) -> tuple[Any, Any]:
         field_degree=int(rng.integers(1, 14)),
         field_extrapolate=model != "igrf14",
         initial_attitude=str(rng.choice(["Q0", "q_NB0"])),
-        Q0=_rotation(rng) + rng.uniform(-1e-4, 1e-4, (3, 3)),
+        Q0=rotation(rng) + rng.uniform(-1e-4, 1e-4, (3, 3)),
         q_NB0=q / np.linalg.norm(q),
         omega_B0=rng.normal(scale=0.05, size=3),
         h_w0=rng.uniform(-1e-3, 1e-3),
@@ -189,13 +191,13 @@ def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
     """Each error of each sensor off or on, in the light, the shadow and between them."""
     u = inputs(
         "plant_sensors",
-        R_NB=_rotation(rng),
+        R_NB=rotation(rng),
         omega_B=rng.normal(scale=0.1, size=3),
-        r_N=_unit(rng) * 7e6,
+        r_N=unit(rng) * 7e6,
         v_N=rng.normal(scale=5e3, size=3),
         b_B=rng.normal(scale=3e-5, size=3),
         h_w=rng.normal(scale=0.02),
-        sun_N=_unit(rng),
+        sun_N=unit(rng),
         sunlight=rng.choice([0.0, 0.4, 0.7, 1.0, 1e9]),
         dipole=rng.normal(scale=10.0, size=3),
     )
@@ -204,7 +206,7 @@ def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
     def some(x: Any, off: Any = 0.0) -> Any:
         return x if rng.integers(2) else off
 
-    rows = np.array([_unit(rng) if i else some(_unit(rng), np.zeros(3)) for i in range(6)])
+    rows = np.array([unit(rng) if i else some(unit(rng), np.zeros(3)) for i in range(6)])
     few = {
         name: some(rng.choice([0.03, 0.1, 0.25])) for name in ("attitude", "rate", "field", "orbit", "sun", "telemetry")
     }
@@ -222,7 +224,7 @@ def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
         sensor_period=rng.choice([0.0, 0.03, 0.1, 0.2, 0.25]),
         seed=int(rng.integers(2**31)),
         attitude_noise_about=some(1e-3),
-        attitude_boresight_B=_unit(rng),
+        attitude_boresight_B=unit(rng),
         attitude_rate_max=some(0.15),
         attitude_sun_exclusion=some(rng.uniform(0.0, 2.0)),
         attitude_earth_exclusion=some(rng.uniform(0.0, 1.0)),
@@ -245,7 +247,7 @@ def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
         sun_sensor_noise=some(0.01),
         albedo=some(0.3),
         sun_threshold=0.2,
-        fine_sun_axis_B=_unit(rng),
+        fine_sun_axis_B=unit(rng),
         fine_sun_half_angle=rng.uniform(0.5, math.pi),
         fine_sun_noise=some(0.01),
         orbit_outage_interval=some(0.3),
@@ -259,20 +261,20 @@ def plant_sensors_case(rng: np.random.Generator) -> tuple[Any, Any]:
 def plant_judge_case(rng: np.random.Generator) -> tuple[Any, Any]:
     """To each reference; and, in a third of the cases, to one that is given by the inputs."""
     angle = rng.choice([0.0, 1e-9, rng.uniform(0.0, math.pi), math.pi - 1e-9, math.pi])
-    desired = _rotation(rng)
+    desired = rotation(rng)
     given = {"R_d": desired, "Omega_d": rng.normal(scale=0.1, size=3)} if rng.integers(3) == 0 else {}
     u = inputs(
         "plant_judge",
-        R_NB=desired @ Rotation.from_rotvec(angle * _unit(rng)).as_matrix(),
+        R_NB=desired @ Rotation.from_rotvec(angle * unit(rng)).as_matrix(),
         omega_B=rng.normal(scale=0.1, size=3),
-        r_N=_unit(rng) * rng.uniform(6.6e6, 4e7),
+        r_N=unit(rng) * rng.uniform(6.6e6, 4e7),
         v_N=rng.normal(scale=5e3, size=3),
         **given,
     )
     p = parameters(
         "plant_judge",
         reference=str(rng.choice(["lvlh", "inertial", "rate"])),
-        R_d0=_rotation(rng) + rng.uniform(-1e-4, 1e-4, (3, 3)),
+        R_d0=rotation(rng) + rng.uniform(-1e-4, 1e-4, (3, 3)),
         Omega_d0=rng.normal(scale=0.1, size=3),
     )
     return p, u
@@ -280,7 +282,7 @@ def plant_judge_case(rng: np.random.Generator) -> tuple[Any, Any]:
 
 def estimator_case(rng: np.random.Generator) -> tuple[Any, Any]:
     """Directions of one attitude or of another, with and without each measurement, each option of the rate."""
-    truth, other = Rotation.from_rotvec([0.3, -0.2, 0.9]).as_matrix(), _rotation(rng)
+    truth, other = Rotation.from_rotvec([0.3, -0.2, 0.9]).as_matrix(), rotation(rng)
     R = other if rng.integers(4) == 0 else truth
     absent = {"dipole": np.full(3, 1e9), "h_w": 1e9, "wheel_torque": 1e9, "R_NB_measured": np.full((3, 3), 1e9)}
     connected = {
@@ -294,20 +296,20 @@ def estimator_case(rng: np.random.Generator) -> tuple[Any, Any]:
         "estimator",
         omega_B_measured=rng.normal(scale=0.05, size=3),
         b_B_measured=R.T @ [2e-5, -1e-5, 3e-5] + rng.normal(scale=1e-7, size=3),
-        r_N_measured=_unit(rng) * 7e6 * rng.integers(2),
+        r_N_measured=unit(rng) * 7e6 * rng.integers(2),
         v_N_measured=rng.normal(scale=5e3, size=3),
         sun_B_measured=R.T @ [-0.76, 0.6, 0.26] * rng.integers(2),
         **{name: connected[name] if rng.integers(2) else absent[name] for name in absent},
         **counts,
     )
-    boresight = _unit(rng)
+    boresight = unit(rng)
     p = parameters(
         "estimator",
         rate_source=str(rng.choice(["gyro", "dynamics"])),
         rate_bias_sigma=rng.uniform(1e-4, 1e-2),
         J_B=inertia(rng),
-        rod_axes=_rotation(rng),
-        wheel_axis=_unit(rng),
+        rod_axes=rotation(rng),
+        wheel_axis=unit(rng),
         field_noise=rng.choice([1e-7, 1e-5]),
         field_bias_sigma=rng.choice([0.0, 1e-6]),
         field_random_walk=rng.choice([0.0, 1e-9]),
@@ -329,13 +331,13 @@ def estimator_case(rng: np.random.Generator) -> tuple[Any, Any]:
 def supervisor_case(rng: np.random.Generator) -> tuple[Any, Any]:
     """Few parameters of time, so that five steps of 0.1 s see several modes."""
     goals = np.random.default_rng(rng.integers(2))  # one of two, so that it stays now and then
-    attitude, goal = _rotation(rng), _rotation(goals)
+    attitude, goal = rotation(rng), rotation(goals)
     given = {
         "target_latitude": goals.uniform(-1.0, 1.0),
         "target_longitude": 1.0,
         "target_height": 500.0,
         "R_goal": goal,
-        "sun_N": _unit(rng),
+        "sun_N": unit(rng),
         "sunlight": float(rng.integers(2)),
         "b_B": rng.normal(scale=2e-5, size=3) * rng.choice([0.0, 1.0], p=[0.2, 0.8]),
         "sun_B": rng.normal(size=3) * rng.choice([0.0, 1.0], p=[0.2, 0.8]),
@@ -344,7 +346,7 @@ def supervisor_case(rng: np.random.Generator) -> tuple[Any, Any]:
         "supervisor",
         R_NB=attitude * rng.choice([0.0, 1.0], p=[0.1, 0.9]),
         omega_B=rng.normal(scale=rng.choice([1e-4, 1e-2, 1e-1], p=[0.6, 0.3, 0.1]), size=3),
-        r_N=_unit(rng) * rng.uniform(6.6e6, 8e6),
+        r_N=unit(rng) * rng.uniform(6.6e6, 8e6),
         v_N=rng.normal(scale=5e3, size=3),
         attitude_valid=bool(rng.integers(8)),
         command=int(rng.choice([-1, 0, 1, 3, 4, 6, 7], p=[0.1, 0.1, 0.05, 0.2, 0.2, 0.2, 0.15])),
@@ -365,9 +367,9 @@ def supervisor_case(rng: np.random.Generator) -> tuple[Any, Any]:
         attitude_time=rng.choice([0.0, 0.25]),
         target_yaw=str(rng.choice(["steered", "free"])),
         target_yaw_angle=rng.uniform(-3.0, 3.0),
-        sun_axis_B=_unit(rng),
+        sun_axis_B=unit(rng),
         safe_pointing=str(rng.choice(["none", "field", "sun"])),
-        safe_axis_B=_unit(rng),
+        safe_axis_B=unit(rng),
         safe_time=rng.choice([1.0, 100.0]),
         ahead_horizon=rng.choice([0.0, 100.0, 1500.0]),
     )
@@ -386,26 +388,3 @@ CASES = {
     "plant_judge": plant_judge_case,
     "estimator": estimator_case,
 }
-
-
-def _unit(rng: np.random.Generator) -> np.ndarray:
-    v = rng.normal(size=3)
-    return v / np.linalg.norm(v)
-
-
-def _rotation(rng: np.random.Generator) -> np.ndarray:
-    return Rotation.random(random_state=rng).as_matrix()
-
-
-def inertia(rng: np.random.Generator) -> np.ndarray:
-    """Full and unequal, of a body: from three masses' second moments."""
-    a, b, c = rng.uniform(0.5, 2.0, 3)
-    R = _rotation(rng)
-    J = R @ np.diag([b + c, c + a, a + b]) @ R.T
-    return 0.5 * (J + J.T)
-
-
-def positive_definite(rng: np.random.Generator) -> np.ndarray:
-    R = _rotation(rng)
-    L = R @ np.diag(rng.uniform(0.2, 2.0, 3)) @ R.T
-    return 0.5 * (L + L.T)

@@ -14,8 +14,9 @@ from orchestration import load as load_scenario
 from orchestration import run
 from tests.blocks import inputs, module, parameters, some
 
-from .drawn import inertia, plant_case
+from .drawn import plant_case
 from .driver import ROOT, Instance
+from .matrices import inertia
 
 RELATIVE = 1e-9
 WIRES = {
