@@ -74,8 +74,8 @@ class _Lazy(Commands):
             return None
         gc.disable()  # what imports leave is no garbage, and looking for some in it takes 30 ms
         try:
-            found = import_module(COMMANDS[name]).command if name in COMMANDS else outside()[name].load()
-            return cast(click.Command, found)
+            command = import_module(COMMANDS[name]).command if name in COMMANDS else _load(outside()[name])
+            return cast(click.Command, command)
         finally:
             gc.freeze()
             gc.enable()
@@ -96,6 +96,27 @@ class _Lazy(Commands):
             match = suggestion(nearest(args[0], self.list_commands(ctx)))
             raise InputError(f"{args[0]}: there is no such command or scenario{match}")
         return super().resolve_command(ctx, args)
+
+
+def _load(point: EntryPoint) -> click.Command:
+    """Returns the command of an installed package, or one that says which extra brings the packages that it needs."""
+    try:
+        return cast(click.Command, point.load())
+    except ModuleNotFoundError as error:
+        distribution = point.dist.name if point.dist else "attitude-cosim"
+        extra = f"[{','.join(point.extras)}]" if point.extras else ""
+        text = f"{point.name} needs the package {error.name!r}; remedy: pip install '{distribution}{extra}'"
+
+    def refuse(words: tuple[str, ...]) -> None:
+        raise InputError(text)
+
+    return click.Command(
+        point.name,
+        callback=refuse,
+        short_help=f"Not installed: pip install '{distribution}{extra}'",
+        params=[click.Argument(["words"], nargs=-1)],
+        context_settings={"ignore_unknown_options": True, "help_option_names": []},
+    )
 
 
 def _is_command(text: str) -> bool:

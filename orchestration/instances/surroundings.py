@@ -28,8 +28,9 @@ _HANDLER = c.sizeof(c.c_void_p)
 class Surroundings:
     """As they are when this is made, before the first FMU of others is loaded."""
 
-    def __init__(self) -> None:
-        self.notes: list[str] = []
+    def __init__(self, notes: list[str]) -> None:
+        """`notes` is the list to which what is noted is added."""
+        self.notes = notes
         self.watches = sys.platform != "win32"
         if not self.watches:
             return

@@ -49,6 +49,8 @@ class Session:
         self._instances: dict[str, Instance] = {}
         self._master: Master | None = None
         self._around: Surroundings | None = None
+        self.notes: list[str] = []
+        """What FMUs of others have changed in this process, and what became of it."""
 
     def fly(
         self,
@@ -148,13 +150,8 @@ class Session:
 
     def _guest(self, name: str, folder: Path) -> Guest:
         """Returns the instance of an FMU of others in this process."""
-        self._around = self._around or Surroundings()
+        self._around = self._around or Surroundings(self.notes)
         return Guest(self._around, name, self.opened.fmus[name], folder, self._verbose)
-
-    @property
-    def notes(self) -> Sequence[str]:
-        """What FMUs of others have changed in this process, and what became of it."""
-        return () if self._around is None else tuple(self._around.notes)
 
     def _is_own(self, name: str) -> bool:
         """Returns whether a block is one of this project's own native FMUs, in this process."""
@@ -167,6 +164,9 @@ class Session:
         """Ends the instances, and returns what went wrong in that; the next flight makes others."""
         instances, self._instances, self._master = self._instances, {}, None
         self._stack.close()
+        if self._around is not None:
+            self._around.close()
+            self._around = None
         return next((failure for block in instances.values() if (failure := getattr(block, "failure", None))), None)
 
     def __enter__(self) -> Session:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-import select
+import selectors
 import socket
 import threading
 import time
@@ -102,7 +102,10 @@ def _running(proxy: Proxy, sources: list, step: Callable[[list], None]) -> Itera
             wait = proxy.work()
             with suppress(OSError, ValueError):
                 there = [s for s in sources if not proxy.is_cut or s != sources[0]]
-                step(select.select(there, [], [], min(wait, 0.05))[0])
+                with selectors.PollSelector() as line:  # which takes files of any number
+                    for source in there:
+                        line.register(source, selectors.EVENT_READ)
+                    step([key.fileobj for key, _ in line.select(min(wait, 0.05))])
 
     thread = threading.Thread(target=work, daemon=True)
     thread.start()

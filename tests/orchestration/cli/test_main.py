@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -53,8 +54,8 @@ def test_an_installed_package_adds_a_command_and_replaces_none_of_ours(installed
 
 
 def test_a_command_whose_package_cannot_be_imported_is_told_without_a_traceback(installed):
-    told = "internal error: ModuleNotFoundError: No module named 'not_there' (ORCHESTRATE_TRACEBACK=1 shows where)\n"
-    assert run(installed, "lost") == (70, "", told)
+    told = "lost needs the package 'not_there'; remedy: pip install 'sizes'\n"
+    assert run(installed, "lost") == (2, "", told)
 
 
 def test_a_run_does_not_look_for_commands_of_other_packages(loop, monkeypatch):
@@ -62,11 +63,25 @@ def test_a_run_does_not_look_for_commands_of_other_packages(loop, monkeypatch):
     assert orchestrate(loop.name, "--quiet").exit_code == 0
 
 
+def test_a_command_whose_packages_are_not_installed_is_listed_and_says_which_extra_brings_them(tmp_path, monkeypatch):
+    (tmp_path / "lacks_a_package.py").write_text("import no_such_package\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    point = EntryPoint("calibrate", "lacks_a_package:command [inflight]", "orchestrate.commands")
+    monkeypatch.setattr("orchestration.cli.main.outside", lambda: {"calibrate": point})
+    assert "Not installed: pip install 'attitude-cosim[inflight]'" in orchestrate("-h").stdout
+    answer = orchestrate("calibrate", "gyro", "log.yaml", "--out", "x", "-h")
+    assert answer.exit_code == 2
+    assert (
+        "calibrate needs the package 'no_such_package'; remedy: pip install 'attitude-cosim[inflight]'" in answer.stderr
+    )
+
+
 @pytest.mark.parametrize(
     ("place", "in_the_wheel"),
     [
         ("controller.commands:size", "attitude_cosim.controller.commands:size"),
         ("orchestration.cli.main:main", "orchestration.cli.main:main"),
+        ("inflight.commands:identify_ [inflight]", "attitude_cosim.inflight.commands:identify_ [inflight]"),
     ],
 )
 def test_the_wheel_names_a_command_where_its_package_stands_there(place, in_the_wheel):

@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestration import run as run_scenario
+
 from .. import broken, fmus
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes and signals of Linux")
@@ -150,3 +152,15 @@ def test_a_signal_to_the_command_ends_the_run_with_it(number, run, tmp_path):
             return
         signal.sigtimedwait([], 0.05)
     pytest.fail("the run goes on")
+
+
+def test_flights_with_fmus_of_others_leave_no_file_open(tmp_path, library):
+    for name in ("vendor", "other"):
+        broken_write(
+            tmp_path / f"{name}.fmu", broken.XML.format(guid="none-none").replace('"broken"', f'"{name}"'), library
+        )
+    (tmp_path / "run.yaml").write_text(SCENARIO)
+    run_scenario(tmp_path / "run.yaml")
+    before = len(os.listdir("/dev/fd"))
+    run_scenario(tmp_path / "run.yaml")
+    assert len(os.listdir("/dev/fd")) == before
