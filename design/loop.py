@@ -99,7 +99,7 @@ def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = No
 @cache
 def _model(block: str, flavour: str) -> Model:
     try:
-        return with_inputs(open_fmu(ensure(block, flavour)), block)
+        return with_inputs(open_fmu(ensure(block, flavour)).model, block)
     except BuildError as error:
         raise InputError(f"the block {block!r} cannot be built: {error}") from None
 

@@ -35,6 +35,9 @@ with `each`; its terminal is `NAME_of_wheels`. In the block for one part names w
 `unit`, `display_unit`, `frame`, `min`, `max`, `description`, and `gives`, the parameter that follows. The function NAME
 in the block's module `inputs` works them out.
 
+`[cycles.NAME.PARAMETER]` says how long one of what a scenario's `cycle` of this NAME counts lasts, in s: by the item of
+an enumeration, an expression of parameters in SI units.
+
 `[terminals]` groups the ports that are wired together: a terminal's name and its variables, all inputs or all outputs;
 terminals of one name fit each other. `[view]` has what a three-dimensional view of a loop takes of this block: the keys
 of a scenario's `view`, with names of variables, and `lvlh_by`, a parameter whose item "lvlh" says that the desired
@@ -48,11 +51,12 @@ In the two lists of dependencies `name` means every element, `name[i]` the eleme
 from __future__ import annotations
 
 import itertools
+import re
 from dataclasses import replace
 from typing import Any
 
 from .part_sets import for_set, terminals_for
-from .variables import FLAVOURS, STEPS, Causality, Element, Interface, InterfaceError, Type, Variable
+from .variables import FLAVOURS, STEPS, Causality, Cycle, Element, Interface, InterfaceError, Type, Variable
 
 ABSENT = 1e9
 """The start of every optional real input, which means that it is not connected."""
@@ -112,6 +116,7 @@ def parse(text: str, file: str = "<interface>") -> Interface:
         limits=tuple(data.get("page", {}).get("limits", ())),
         flavours=_flavours(data["block"], file),
         helpers=_helpers(data.get("helpers", {}), variables, file),
+        cycles=_cycles(data.get("cycles", {}), variables, file),
         view=data.get("view", {}),
     )
 
@@ -207,6 +212,18 @@ def _helpers(entries: dict[str, Any], variables: dict[str, Variable], file: str)
         except InterfaceError as error:
             raise InterfaceError(f"{file}: helpers.{name}: {error}") from None
     return helpers
+
+
+def _cycles(entries: dict[str, Any], variables: dict[str, Variable], file: str) -> dict[str, Cycle]:
+    cycles: dict[str, Cycle] = {}
+    for name, entry in entries.items():
+        ((by, periods),) = entry.items()
+        items = variables[by].items if by in variables else ()
+        if set(periods) != set(items):
+            raise InterfaceError(f"{file}: cycles.{name}.{by}: expected the items of an enumeration, found {periods}")
+        uses = frozenset(re.findall(r"[a-zA-Z]\w*", " ".join(periods.values()))) & variables.keys()
+        cycles[name] = Cycle(by, periods, uses | {by})
+    return cycles
 
 
 def _units(entry: dict[str, Any], shape: tuple[int, ...], size: int) -> tuple[str | None, ...]:

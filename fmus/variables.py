@@ -74,6 +74,18 @@ class Variable:
 
 
 @dataclass(frozen=True)
+class Cycle:
+    """How long one of what a scenario counts lasts, such as an orbit of the plant."""
+
+    by: str
+    """The parameter, an enumeration, whose item says which expression holds."""
+    periods: dict[str, str]
+    """By item: an expression of parameters in SI units, s."""
+    uses: frozenset[str]
+    """The parameters on which the period depends."""
+
+
+@dataclass(frozen=True)
 class Interface:
     """All variables of a block, in the order of the file; value references count their elements from 0."""
 
@@ -94,6 +106,8 @@ class Interface:
     """Those that the block has."""
     helpers: dict[str, Variable] = field(default_factory=dict)
     """Inputs of scenarios that stand for start values; no FMU has them."""
+    cycles: dict[str, Cycle] = field(default_factory=dict)
+    """By the name that a scenario's `cycle` has."""
     code: str = ""
     """The block whose code it runs: another one where this is the interface for a set of parts."""
     sets: dict[str, int] = field(default_factory=dict)

@@ -22,6 +22,12 @@ def write_constraints() -> None:
     constraints.FILE.write_text(constraints.text(), "utf-8")
 
 
+@main.command("building")
+def write_building() -> None:
+    """Write what builds the wheel to release/building.txt, with hashes; asks the package index."""
+    constraints.BUILDING.write_text(constraints.hashed(), "utf-8")
+
+
 @main.command("check")
 def check() -> None:
     """Refuse an environment in which the FMUs would get other bytes than with the pinned versions."""

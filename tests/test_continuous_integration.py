@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import yaml
 from fmpy import platform
 
 from fmus.build import blocks_of, ensure
+from release import constraints
 
 from . import smoke
 
@@ -29,6 +31,24 @@ def test_actionlint_has_no_finding_in_the_workflows() -> None:
     assert WORKFLOWS
     found = subprocess.run([actionlint, *map(str, WORKFLOWS)], capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stdout + found.stderr
+
+
+def test_every_action_is_pinned_by_the_hash_of_its_commit() -> None:
+    for workflow in WORKFLOWS:
+        steps = [step for job in yaml.safe_load(workflow.read_text("utf-8"))["jobs"].values() for step in job["steps"]]
+        used = [step["uses"] for step in steps if "uses" in step]
+        assert used
+        for action in used:
+            assert re.fullmatch(r"[\w-]+/[\w-]+@[0-9a-f]{40}", action), action
+
+
+def test_the_wheel_is_built_by_what_has_the_hashes_that_are_written_down() -> None:
+    (workflow,) = WORKFLOWS
+    steps = yaml.safe_load(workflow.read_text("utf-8"))["jobs"]["wheel"]["steps"]
+    installs, builds = (step["run"] for step in steps if "run" in step)
+    assert "--require-hashes" in installs
+    assert (ROOT / installs.split(" -r ")[1]) == constraints.BUILDING
+    assert "--no-isolation" in builds  # an isolated build installs what it likes
 
 
 def test_each_local_hook_calls_a_tool_of_the_environment_that_is_there() -> None:

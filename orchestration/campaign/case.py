@@ -22,6 +22,7 @@ from ..session.flight import with_values
 from ..session.open import open_scenario
 from ..session.read import read
 from ..swap.option import Swap, swapped
+from ..system import cycles
 from ..system.starts import resolve
 from .drawing import draws as drawing
 from .drawing.design import design, notes, samples
@@ -159,6 +160,8 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario, loads: bool 
     """Returns a campaign held against its scenario. Raises InputError."""
     opened = open_scenario(scenario)
     plan = opened.plan
+    if plan.scenario.cycle != scenario.cycle:  # the orbit of the start values is another; times counted in it follow
+        campaign = complaints.checked(Campaign, source, plan.scenario.source.data)
     measures: list[metrics.Measure] = []
     codes: dict[str, Code] = {}
     broken: set[str] = set()
@@ -195,7 +198,8 @@ def prepare(campaign: Campaign, source: Source, scenario: Scenario, loads: bool 
     few = hints(requirements, made.runs, campaign.stop == "decided") if campaign.sampling != "grid" else []
     beyond = [str(index) for index in campaign.keep.runs if index >= made.runs]
     lost = [f"keep.runs: {', '.join(beyond)}: not flown, the last run is {made.runs - 1}"] if beyond else []
-    return Case(campaign, source, scenario, job, [*plan.notes, *notes(made), *few, *lost])
+    varied = cycles.varied(plan.scenario, plan.models, [StartName.of(name) for name in campaign.vary])
+    return Case(campaign, source, scenario, job, [*plan.notes, *varied, *notes(made), *few, *lost])
 
 
 def _resolved(campaign: Campaign, source: Source, scenario: Scenario, draws: drawing.Draws, models: Any) -> None:

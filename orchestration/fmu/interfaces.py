@@ -14,7 +14,7 @@ from fmus.interface import BLOCKS, LOOP, load
 from ..errors import InputError, hint
 from ..paths import located
 from ..quantities import ONE, QuantityError, Unit, parse_unit
-from .archive import Fmu, open_fmu
+from .archive import open_fmu
 from .model import Element, Helper, Model, Variable, shared
 
 __all__ = ["Interface", "is_path", "own", "place", "reference"]
@@ -82,9 +82,9 @@ def helpers(block: str) -> dict[str, Helper]:
     return {v.name: Helper(_variable(v), v.gives, partial(start_values, block, v.name)) for v in declared}
 
 
-def with_inputs(fmu: Fmu, block: str) -> Model:
-    """The model of an FMU with the helper inputs of this interface."""
-    return replace(fmu.model, helpers=helpers(block))
+def with_inputs(model: Model, block: str) -> Model:
+    """A model with the helper inputs and cycles of this interface."""
+    return replace(model, helpers=helpers(block), cycles=load(block).cycles if block in own() else {})
 
 
 def place(block: str) -> str:

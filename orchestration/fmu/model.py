@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fmus.variables import Cycle
+
 from ..errors import InputError, hint
 from ..quantities import ONE, Unit
 from .names import unescaped
@@ -164,6 +166,8 @@ class Model:
     """Values of inputs and parameters where a scenario gives none, as far as they are known."""
     helpers: Mapping[str, Helper] = field(default_factory=dict)
     """In the order in which they are to be worked out."""
+    cycles: Mapping[str, Cycle] = field(default_factory=dict)
+    """What a scenario's `cycle` of these names counts, where the block's parameters say how long it lasts."""
     lacks: frozenset[str] = frozenset()
     """Parameters of the interface to which it is held that it does not have."""
 

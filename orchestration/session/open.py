@@ -22,6 +22,7 @@ from ..scenario.load import load
 from ..scenario.scenario import Scenario
 from ..swap.prepare import prepare
 from ..swap.prepared import Prepared
+from ..system import cycles
 from ..system.rates import Rates, rates
 from ..telemetry.pack import notes_of, packed
 from .limits import limits
@@ -62,6 +63,8 @@ def open_scenario(scenario: Scenario, fmus: dict[str, Fmu] | None = None) -> Ope
     scenario, unfed = _without_inputs(scenario)
     _refuse_second(scenario, fmus)
     prepared = prepare(scenario, fmus)
+    prepared.scenario, follows = cycles.followed(prepared.scenario, prepared.models)
+    prepared.notes += follows
     timed = rates(prepared.scenario, fmus)
     ready = plan(timed.scenario, prepared.models, prepared.feedthrough)
     ready.notes[:0] = [*_not_valid(scenario, fmus), *_of_records(scenario, fmus), *unfed, *prepared.notes, *timed.notes]

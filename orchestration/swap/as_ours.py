@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import rotation
-from ..fmu.interfaces import helpers
+from ..fmu.interfaces import with_inputs
 from ..fmu.model import Element, Model
 from .findings import Fit, Link, may_stay_unconnected
 
@@ -23,7 +23,7 @@ def held(theirs: Model, fitted: Fit) -> Model:
     if not fitted.identical:
         seen = replace(model(fitted), starts=_starts(theirs, fitted), left_out=_left_out(fitted))
     lacks = frozenset(name for name, variable in fitted.missing.items() if variable.causality == "parameter")
-    return replace(seen, helpers=helpers(fitted.reference.name), lacks=lacks)
+    return replace(with_inputs(seen, fitted.reference.name), lacks=lacks)
 
 
 def _left_out(fitted: Fit) -> dict[str, str]:

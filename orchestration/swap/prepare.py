@@ -42,7 +42,9 @@ def interface_of(scenario: Scenario, name: str, model_name: str) -> str | None:
 
 def prepare(scenario: Scenario, fmus: Mapping[str, Fmu]) -> Prepared:
     """Fits every swapped block to its interface. Raises InputError with everything that does not fit."""
-    prepared = Prepared(scenario, {name: with_inputs(fmu, scenario.blocks[name].fmu) for name, fmu in fmus.items()})
+    prepared = Prepared(
+        scenario, {name: with_inputs(fmu.model, scenario.blocks[name].fmu) for name, fmu in fmus.items()}
+    )
     interfaces: dict[str, Interface] = {}
     with Problems() as problems:
         for name, entry in scenario.blocks.items():

@@ -150,7 +150,7 @@ class _Given:
         alone = Model(self.model.name, {variable.name: variable})
         own = nested(variable, list(values_of(self.block, alone, name, value).values()))
         in_force = {**self.model.starts, **self._together()}
-        parameters = {v.name: _in_words(v, in_force) for v in self.model.of("parameter") if v.elements[0] in in_force}
+        parameters = {v.name: in_words(v, in_force) for v in self.model.of("parameter") if v.elements[0] in in_force}
         try:
             derived = helper.function(own, parameters)
         except ValueError as error:
@@ -161,7 +161,7 @@ class _Given:
         return values
 
 
-def _in_words(variable: Variable, values: Mapping[Element, Any]) -> Any:
+def in_words(variable: Variable, values: Mapping[Element, Any]) -> Any:
     """A parameter's value in force: nested lists of its shape, items of enumerations by their names."""
     names = {number: item for item, number in variable.items}
     return nested(variable, [names.get(values[element], values[element]) for element in variable.elements])

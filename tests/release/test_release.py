@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import re
 import zipfile
+from importlib.metadata import distribution
 from pathlib import Path
 
 import pytest
@@ -57,6 +59,25 @@ def test_every_requirement_of_this_platform_is_pinned_within_its_bounds_and_with
             )
     assert not any(mark in constraints.FILE.read_text() for mark in ("//", "@", "--"))
     assert set(constraints.IN_BYTES) <= set(pinned)
+
+
+def test_what_builds_a_release_is_pinned_as_elsewhere_and_each_file_of_it_has_a_hash() -> None:
+    entries = constraints.BUILDING.read_text("utf-8").replace("\\\n", " ").splitlines()
+    hashed = {}
+    for entry in filter(lambda line: not line.startswith("#"), entries):
+        requirement, *hashes = entry.split(" --hash=")
+        assert hashes, entry
+        assert all(re.fullmatch(r"sha256:[0-9a-f]{64}", text.strip()) for text in hashes), entry
+        name, _, version = requirement.partition(";")[0].strip().partition("==")
+        hashed[canonicalize_name(name)] = version
+    assert hashed == {name: constraints.pinned()[name] for name in hashed}, "python -m release building"
+    needed = {canonicalize_name(Requirement(line).name) for line in constraints.building()}
+    assert set(constraints.IN_BYTES) <= needed <= set(hashed), "python -m release building"
+    for name in needed:  # with what these require in turn
+        for line in distribution(name).requires or ():
+            requirement = Requirement(line)
+            if requirement.marker is None or requirement.marker.evaluate({"extra": ""}):
+                assert canonicalize_name(requirement.name) in hashed, f"{name} requires {line}"
 
 
 def test_another_version_of_what_has_a_say_in_the_bytes_is_refused(
