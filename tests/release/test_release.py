@@ -75,9 +75,9 @@ def test_what_builds_a_release_is_pinned_as_elsewhere_and_each_file_of_it_has_a_
     assert set(constraints.IN_BYTES) <= needed <= set(hashed), "python -m release building"
     for name in needed:  # with what these require in turn
         for line in distribution(name).requires or ():
-            requirement = Requirement(line)
-            if requirement.marker is None or requirement.marker.evaluate({"extra": ""}):
-                assert canonicalize_name(requirement.name) in hashed, f"{name} requires {line}"
+            own = Requirement(line)
+            if own.marker is None or own.marker.evaluate({"extra": ""}):
+                assert canonicalize_name(own.name) in hashed, f"{name} requires {line}"
 
 
 def test_another_version_of_what_has_a_say_in_the_bytes_is_refused(
