@@ -3,6 +3,7 @@
 build()                      # all blocks in C, into out/fmus/native/
 build(flavour="python")      # the Python reference of those that have one, into out/fmus/python/
 ensure("plant")              # the path of plant.fmu, built when missing or out of date
+ensure("plant", here=True)   # the same for this machine's platform alone, which takes a third of the time
 ensure_all(["plant", "allocator"])    # those in C that need it, side by side
 
 Tests: tests/fmus/test_build.py.
@@ -54,12 +55,14 @@ def build(
         path = paths[block.name] = _path(block.name, flavour, out)
         _LOG.info("building %s (%s)%s ...", path.name, flavour, f", {number} of {len(chosen)}" if chosen[1:] else "")
         _make(block, flavour, path)
+        if out is None:  # what is built anew takes the place of a file that was spoilt
+            _path(block.name, flavour, None, here=True).unlink(missing_ok=True)
     return paths
 
 
-def _make(block: Block, flavour: str, path: Path) -> None:
+def _make(block: Block, flavour: str, path: Path, here: bool = False) -> None:
     stamp = fingerprint(block, flavour).encode()
-    package = _packager(flavour)
+    package = partial(_packager(flavour), platforms="host") if here else _packager(flavour)
     try:
         data = package(block.interface, block.folder, places.shared("LICENSE"))
     except Exception as error:
@@ -67,19 +70,25 @@ def _make(block: Block, flavour: str, path: Path) -> None:
     _write(path, data, stamp)
 
 
-def ensure(block: str | Block, flavour: str = "native", out: Path | None = None) -> Path:
+def ensure(block: str | Block, flavour: str = "native", out: Path | None = None, here: bool = False) -> Path:
     """The path of a block's FMU, which is built first when it is missing or its sources have changed.
 
-    Of several processes that ask at the same time one builds and the others wait for it. Raises BuildError.
+    Of several processes that ask at the same time one builds and the others wait for it. `here`: it need only run on
+    this machine; where it is built, it then stands in a folder of its own. Raises BuildError.
     """
     _check(flavour)
     chosen = Block.named(block) if isinstance(block, str) else block
     _check_flavour(chosen.interface, flavour)
     if isinstance(block, str) and out is None and (made := places.ready(f"{flavour}/{block}.fmu")):
         return made
-    path = _path(chosen.name, flavour, out)
+    here = here and flavour == "native" and out is None
+    path = _path(chosen.name, flavour, out, here)
     if not is_current(path, chosen, flavour):
-        _build_once(chosen, flavour, path, lambda: build([chosen], flavour, out))
+        if here:
+            _LOG.info("building %s (%s) ...", path.name, flavour)
+            _build_once(chosen, flavour, path, partial(_make, chosen, flavour, path, here=True))
+        else:
+            _build_once(chosen, flavour, path, lambda: build([chosen], flavour, out))
     return path
 
 
@@ -92,13 +101,13 @@ def _build_once(block: Block, flavour: str, path: Path, make: Callable[[], objec
             make()
 
 
-def ensure_all(names: Iterable[str]) -> None:
+def ensure_all(names: Iterable[str], here: bool = False) -> None:
     """Builds in C those blocks that `ensure` would build, side by side where they are several. Raises BuildError.
 
     One compiler a core runs at a time. The log has the time that it takes.
     """
     blocks = {
-        _path(name, "native", None): Block.named(name) for name in names if not places.ready(f"native/{name}.fmu")
+        _path(name, "native", None, here): Block.named(name) for name in names if not places.ready(f"native/{name}.fmu")
     }
     needed = {path: block for path, block in blocks.items() if not is_current(path, block, "native")}
     if len(needed) < 2:
@@ -108,7 +117,7 @@ def ensure_all(names: Iterable[str]) -> None:
     _packager("native")  # imported here: threads that import it at once may wait for each other
     with ThreadPoolExecutor(len(needed)) as pool:
         made = [
-            pool.submit(_build_once, block, "native", path, partial(_make, block, "native", path))
+            pool.submit(_build_once, block, "native", path, partial(_make, block, "native", path, here=here))
             for path, block in needed.items()
         ]
         for one in made:
@@ -122,7 +131,7 @@ def is_current(path: Path, block: str | Block, flavour: str) -> bool:
     return _stamp(path) == fingerprint(chosen, flavour).encode()
 
 
-def _packager(flavour: str) -> Callable[[Interface, Path, Path | None], bytes]:
+def _packager(flavour: str) -> Callable[..., bytes]:
     """Imported here, since it takes long and `ensure` seldom needs it; PythonFMU may be missing."""
     if flavour == "native":
         from . import native  # takes long, and `ensure` seldom needs it  # noqa: PLC0415
@@ -137,8 +146,8 @@ def _packager(flavour: str) -> Callable[[Interface, Path, Path | None], bytes]:
     return packaging.package
 
 
-def _path(name: str, flavour: str, out: Path | None) -> Path:
-    return (out or places.work() / "fmus" / flavour) / f"{name}.fmu"
+def _path(name: str, flavour: str, out: Path | None, here: bool = False) -> Path:
+    return (out or places.work() / "fmus" / ("here" if here else flavour)) / f"{name}.fmu"
 
 
 def _check(flavour: str) -> None:

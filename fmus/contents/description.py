@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..interface import Element, Interface, Variable, optional_text
@@ -41,10 +41,15 @@ class Capabilities:
 
 
 def model_description(
-    interface: Interface, guid: str, capabilities: Capabilities, generation_tool: str, remark: str = ""
+    interface: Interface,
+    guid: str,
+    capabilities: Capabilities,
+    generation_tool: str,
+    remark: str = "",
+    sources: Sequence[str] = (),
 ) -> bytes:
-    """The XML file; `remark` follows the description. No date stands in it, so the same arguments give
-    the same bytes. Raises QuantityError."""
+    """The XML file; `remark` follows the description, `sources` are the C files that the FMU carries. No date of the
+    build stands in it, so the same arguments give the same bytes. Raises QuantityError."""
     root = ET.Element(
         "fmiModelDescription",
         fmiVersion="2.0",
@@ -56,7 +61,11 @@ def model_description(
         variableNamingConvention="structured",
     )
     flags = {name: _text(value) for name, value in vars(capabilities).items()}
-    ET.SubElement(root, "CoSimulation", {"modelIdentifier": interface.name, **flags})
+    kind = ET.SubElement(root, "CoSimulation", {"modelIdentifier": interface.name, **flags})
+    if sources:
+        files = ET.SubElement(kind, "SourceFiles")
+        for name in sources:
+            ET.SubElement(files, "File", name=name)
     _unit_definitions(root, interface)
     _type_definitions(root, interface)
     categories = ET.SubElement(root, "LogCategories")

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..interface import Interface
+
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 """Where FMI-LS-REF has them in an FMU."""
 _ABOUT = """\
@@ -20,8 +22,18 @@ Play it: orchestrate check FMU --as BLOCK
 """
 
 
-def references(folder: Path) -> dict[str, bytes]:
-    """The files of a folder `reference_data` by their paths in the FMU; none where there is none."""
-    paths = sorted(path for path in folder.glob("*") if path.is_file())
+def folder_of(interface: Interface, block: Path) -> Path:
+    """The folder of the reference data, of the block whose package stands in `block`."""
+    return block / f"reference_data{interface.name.removeprefix(interface.code)}"
+
+
+def kept_in(interface: Interface, block: Path) -> list[Path]:
+    """The files of this folder; none where there is none."""
+    return sorted(path for path in folder_of(interface, block).glob("*") if path.is_file())
+
+
+def references(interface: Interface, block: Path) -> dict[str, bytes]:
+    """These files by their paths in the FMU."""
+    paths = kept_in(interface, block)
     found = {f"{FOLDER}/{path.name}": path.read_bytes().replace(b"\r\n", b"\n") for path in paths}
     return found | ({"documentation/fmi-ls-ref.txt": _ABOUT.encode()} if found else {})

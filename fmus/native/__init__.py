@@ -8,15 +8,16 @@ from __future__ import annotations
 
 import hashlib
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..block import lenders, module_of
 from ..contents.archive import archive, common
 from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface
+from .carried import collected
 from .generate import block_header, ports_header, table
-from .toolchain import FLAGS, PLATFORMS, CompilerError, compile_library, compiler, host_platform
+from .toolchain import FLAGS, FREESTANDING, PLATFORMS, CompilerError, compile_library, compiler, host_platform
 
 __all__ = ["CAPABILITIES", "PLATFORMS", "CompilerError", "package", "sources"]
 
@@ -43,22 +44,21 @@ def package(
     chosen = [host_platform()] if platforms == "host" else [platforms] if isinstance(platforms, str) else platforms
     generated = generated_sources(interface, folder)
     guid = guid_from(_digest(interface, folder, generated))
+    tool = f"attitude-cosim, {compiler()}"
+    with tempfile.TemporaryDirectory() as temporary:
+        compiled, headers = lay_out(interface, folder, guid, Path(temporary), generated)
+        made = compile_library(interface.name, compiled, headers, chosen)
+        carried = collected([*headers, FREESTANDING])
     files = {
-        "modelDescription.xml": model_description(interface, guid, CAPABILITIES, f"attitude-cosim, {compiler()}"),
+        "modelDescription.xml": model_description(
+            interface, guid, CAPABILITIES, tool, sources=[name for name in carried if name.endswith(".c")]
+        ),
         **common(interface, folder, licence, HOST),
+        **{f"sources/{name}": data for name, data in carried.items()},
     }
-    for name, library in libraries(interface, folder, guid, chosen, generated).items():
+    for name, library in made.items():
         files[f"binaries/{name}/{interface.name}{PLATFORMS[name].suffix}"] = library
     return archive(files)
-
-
-def libraries(
-    interface: Interface, folder: Path, guid: str, platforms: Iterable[str], generated: dict[str, str] | None = None
-) -> dict[str, bytes]:
-    """The shared library by platform. Raises CompilerError."""
-    with tempfile.TemporaryDirectory() as temporary:
-        layout = lay_out(interface, folder, guid, Path(temporary), generated)
-        return compile_library(interface.name, *layout, platforms)
 
 
 def lay_out(

@@ -68,7 +68,7 @@ def _count(interface: Interface, part: str) -> str:
     return f"{interface.code}_{part}s".upper()
 
 
-def _members(interface: Interface, variable: Variable) -> list[str]:
+def members_of(interface: Interface, variable: Variable) -> list[str]:
     """A variable's elements in the structure. That of one part, too, stands in an array, so that the C has one form."""
     shape = (1, *variable.shape) if interface.sets.get(variable.each or "") == 1 else variable.shape
     indices = itertools.product(*(range(n) for n in shape))
@@ -78,7 +78,7 @@ def _members(interface: Interface, variable: Variable) -> list[str]:
 def _connected(interface: Interface, variable: Variable, limit: str) -> str:
     """Whether an optional input is connected; NaN is, so that the block refuses it as it does in any other input."""
     block = interface.code
-    members = [f"u->{member}" for member in _members(interface, variable)]
+    members = [f"u->{member}" for member in members_of(interface, variable)]
     is_absent = "{} < 0" if variable.type == "integer" else f"fabs({{}}) >= {limit}"
     absent = " ||\n             ".join(map(is_absent.format, members))
     head = f"static inline bool {block}_has_{variable.name}(const {camel_case(block)}Inputs *u)"
@@ -165,17 +165,17 @@ def _place(variable: Variable) -> str:
 
 def _row(interface: Interface, variable: Variable, position: int, element: Element, followers: int) -> str:
     kind, causality, variability, low, high, place = _alike(variable)
-    member = f"{place}.{_members(interface, variable)[position]}"
+    member = f"{place}.{members_of(interface, variable)[position]}"
     start, text = element.start or 0, "NULL"
     if isinstance(start, str):
         if len(start.encode()) >= TEXT_SIZE:
             raise InterfaceError(f"{element.name}: start {start!r} has more than {TEXT_SIZE - 1} bytes")
-        text, start = _quoted(start), 0
+        text, start = quoted(start), 0
     return (
-        f"    ROW({_quoted(element.name)}, {member}, {kind}, {causality}, {variability}, "
+        f"    ROW({quoted(element.name)}, {member}, {kind}, {causality}, {variability}, "
         f"{float(start)!r}, {low}, {high}, {text}, {followers})"
     )
 
 
-def _quoted(text: str) -> str:
+def quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'

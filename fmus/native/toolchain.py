@@ -61,10 +61,11 @@ class Platform:
     where zig's linker can."""
 
 
+_ELF = "-Wl,--build-id=none", "-Wl,-z,noexecstack"
 PLATFORMS: Mapping[str, Platform] = {
-    "linux64": Platform(
-        ".so", ("x86_64-linux-gnu.2.17",), ("-Wl,--build-id=none", "-Wl,-z,noexecstack"), blocks=("-flto",)
-    ),
+    "linux64": Platform(".so", ("x86_64-linux-gnu.2.17",), _ELF, blocks=("-flto",)),
+    # FMI 2.0 has no name for it; this is that of FMI 3.0.
+    "aarch64-linux": Platform(".so", ("aarch64-linux-gnu.2.17",), _ELF, blocks=("-flto",)),
     "win64": Platform(".dll", ("x86_64-windows-gnu",), system=("-nostdlib", "-lkernel32", "-lws2_32")),
     "darwin64": Platform(
         ".dylib", ("x86_64-macos.11.0", "aarch64-macos.11.0"), ("-Wl,-install_name,@rpath/{library}",)
@@ -74,7 +75,8 @@ PLATFORMS: Mapping[str, Platform] = {
 
 def host_platform() -> str:
     """FMI's name of the platform that this interpreter runs on."""
-    return {"Windows": "win64", "Darwin": "darwin64"}.get(platform.system(), "linux64")
+    linux = "aarch64-linux" if platform.machine().lower() in ("aarch64", "arm64") else "linux64"
+    return {"Windows": "win64", "Darwin": "darwin64"}.get(platform.system(), linux)
 
 
 def compiler() -> str:
@@ -125,6 +127,16 @@ def shared_library(name: str, platform_name: str, target: str, arguments: Sequen
         command = [compiler, "cc", "-target", target, *FLAGS, "-shared", "-s", *link, *arguments, "-o", library]
         run([str(argument) for argument in command], library)
         return library.read_bytes()
+
+
+def run_program(sources: Sequence[Path], includes: Sequence[Path]) -> str:
+    """What a program of these sources prints on this machine, whatever its status. Raises CompilerError."""
+    compiler = zig()
+    with tempfile.TemporaryDirectory() as folder:
+        program = Path(folder, "program.exe")
+        command = [*([str(compiler), "cc"] if compiler else [_system_compiler()]), *FLAGS]
+        run([*command, *(f"-I{path}" for path in includes), *map(str, sources), "-o", str(program)], program)
+        return subprocess.run([program], capture_output=True, text=True, check=False).stdout
 
 
 def _freestanding(name: str, sources: Sequence[Path], includes: Sequence[Path], platform: str, target: str) -> bytes:

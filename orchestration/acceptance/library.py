@@ -26,7 +26,7 @@ def files(folder: Path) -> dict[str, Path]:
 
 def look(description: Any, model: Model, files: Mapping[str, Path], findings: list[Finding]) -> None:
     """Adds findings on its libraries and what it asks of its host; `files` are those of its binaries."""
-    kind = CoSimulation.of(description)
+    kind = CoSimulation.of(description, {name.split("/")[1] for name in files if name.count("/") > 1})
     offered: dict[str, str] = {}
     for name in sorted(files):
         platform, _, file = name.removeprefix("binaries/").partition("/")

@@ -19,7 +19,7 @@ from ..fmu.starts import scalars_of, starts_of
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
-from ..session.open import open_scenario
+from ..session.open import open_fmus, open_scenario
 from ..session.plan import Plan
 from ..session.run import whole
 from ..system.wiring import Node
@@ -98,7 +98,7 @@ def flat(scenario: Scenario, rates_kept: bool = False) -> System:
     A block with `every` has its rate as sample_period. One that lacks this parameter is refused, unless the rates are
     kept for orchestrate.
     """
-    opened = open_scenario(scenario)
+    opened = open_scenario(scenario, open_fmus(scenario, here=False))
     fmus, prepared, plan = opened.fmus, opened.prepared, opened.plan
     for name in scenario.blocks:
         fit = prepared.fits.get(name)

@@ -162,7 +162,7 @@ def examined(path: Path, lenient: bool = False) -> Fmu:
     if not path.exists():
         near = file_hint(path.name, (p.name for p in path.parent.glob("*.fmu"))) if path.parent.is_dir() else ""
         raise InputError(f"there is no FMU {shown(path)}{near}")
-    zipped.names(path, "FMU")
+    names = zipped.names(path, "FMU")
     head = read_head(path)
     # The version decides first: the schema's complaints about another version would only confuse.
     check_version(path, head)
@@ -171,7 +171,7 @@ def examined(path: Path, lenient: bool = False) -> Fmu:
         problems += [text + wrong for alike, text in aliases(description) if (wrong := set_together(alike))]
         if problems and not lenient:
             raise _not_valid(path, problems)
-    return Fmu(path, _digest(path), CoSimulation.of(description), model, tuple(problems))
+    return Fmu(path, _digest(path), CoSimulation.of(description, platforms(names)), model, tuple(problems))
 
 
 def described(path: Path, head: Head, lenient: bool) -> tuple[Any, Model, list[str]]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from ..errors import InputError, Problem
-from .platforms import PLATFORM, PLATFORM_3, SUFFIX
+from .platforms import PLATFORM, PLATFORM_3, PLATFORMS_2, SUFFIX
 
 
 @dataclass(frozen=True)
@@ -28,9 +29,13 @@ class CoSimulation:
     """DefaultExperiment.stepSize, s."""
     alone: bool = False
     """canBeInstantiatedOnlyOncePerProcess."""
+    platform: str = PLATFORM
+    """What it calls this platform: linux64 in FMI 2.0, x86_64-linux in 3.0."""
 
     @classmethod
-    def of(cls, description: Any) -> CoSimulation:
+    def of(cls, description: Any, platforms: Collection[str] = ()) -> CoSimulation:
+        """`platforms` are those for which it has libraries."""
+        two = next((name for name in PLATFORMS_2 if name in platforms), PLATFORM)
         flags, experiment = description.coSimulation, description.defaultExperiment
         return cls(
             description.fmiMajorVersion,
@@ -40,12 +45,8 @@ class CoSimulation:
             flags.fixedInternalStepSize,
             experiment.stepSize if experiment is not None else None,
             bool(flags.canBeInstantiatedOnlyOncePerProcess),
+            two if description.fmiMajorVersion == 2 else PLATFORM_3,
         )
-
-    @property
-    def platform(self) -> str:
-        """What it calls this platform: linux64 in FMI 2.0, x86_64-linux in 3.0."""
-        return PLATFORM if self.version == 2 else PLATFORM_3
 
     @property
     def library(self) -> str:

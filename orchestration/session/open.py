@@ -72,15 +72,18 @@ def open_scenario(scenario: Scenario, fmus: dict[str, Fmu] | None = None) -> Ope
     return Opened(fmus, prepared, timed, ready)
 
 
-def open_fmus(scenario: Scenario) -> dict[str, Fmu]:
-    """Returns the FMUs of the blocks, located and opened. Raises InputError with all errors."""
+def open_fmus(scenario: Scenario, here: bool = True) -> dict[str, Fmu]:
+    """Returns the FMUs of the blocks, located and opened. Raises InputError with all errors.
+
+    `here`: those of this project need only run on this machine.
+    """
     with unchanging():
-        return _open_fmus(scenario)
+        return _open_fmus(scenario, here)
 
 
-def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
+def _open_fmus(scenario: Scenario, here: bool) -> dict[str, Fmu]:
     fmus: dict[str, Fmu] = {}
-    _build(scenario)
+    _build(scenario, here)
     with Problems() as problems:
         for name, entry in scenario.blocks.items():
             if entry.flavour and is_path(entry.fmu):
@@ -90,21 +93,24 @@ def _open_fmus(scenario: Scenario) -> dict[str, Fmu]:
                 if entry.telemetry is not None:
                     path = packed(scenario, name, entry.telemetry)
                 else:
-                    path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour)
+                    path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour, here)
                 fmus[name] = open_fmu(path, entry.validation == "lenient")
             except InputError as error:
                 problems += error.problems if entry.telemetry else with_remedies(error, scenario, name)
     return fmus
 
 
-def _build(scenario: Scenario) -> None:
+def _build(scenario: Scenario, here: bool) -> None:
     """Builds the project's own blocks of a scenario side by side; what cannot be built is an error where it is
     located."""
     with suppress(BuildError, OSError):
         ensure_all(
-            entry.fmu
-            for entry in scenario.blocks.values()
-            if entry.fmu in BLOCKS and (entry.flavour or scenario.flavour) == "native"
+            (
+                entry.fmu
+                for entry in scenario.blocks.values()
+                if entry.fmu in BLOCKS and (entry.flavour or scenario.flavour) == "native"
+            ),
+            here,
         )
 
 
@@ -150,7 +156,7 @@ def _of_records(scenario: Scenario, fmus: dict[str, Fmu]) -> list[str]:
     return [f"{name}: {note}" for name, record in records.items() for note in notes_of(fmus[name].path, record.file)]
 
 
-def locate(fmu: str, folder: Path, flavour: str) -> Path:
+def locate(fmu: str, folder: Path, flavour: str, here: bool = True) -> Path:
     """The file of an FMU: a block of this project by its bare name, built when need be, or a path."""
     if "://" in fmu:
         raise InputError(f"{fmu} is an address; expected the path of an .fmu file")
@@ -162,7 +168,7 @@ def locate(fmu: str, folder: Path, flavour: str) -> Path:
         there = " or ".join(f"'flavour: {one}'" for one in has)
         raise InputError(f"the block {fmu!r} has no flavour {flavour!r}; remedy: {there} for this block")
     try:
-        return ensure(fmu, flavour)
+        return ensure(fmu, flavour, here=here)
     except BuildError as error:
         raise InputError(f"the block {fmu!r} cannot be built: {error}") from None
     except OSError as error:

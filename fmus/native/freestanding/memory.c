@@ -3,6 +3,10 @@
 #include <stdint.h>
 #include <string.h>
 
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("no-tree-loop-distribute-patterns") /* which makes a call of memcpy of its loop */
+#endif
+
 typedef uint64_t __attribute__((may_alias, aligned(1))) Word;
 typedef uint64_t __attribute__((may_alias, aligned(1), vector_size(32))) Words;
 

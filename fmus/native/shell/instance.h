@@ -9,6 +9,11 @@
 #include "block.h"
 #include "fmi2.h"
 
+/* Nothing of this is a host's concern. */
+#if defined(__ELF__)
+#pragma GCC visibility push(hidden)
+#endif
+
 enum { NAME_SIZE = 256, MESSAGE_SIZE = 512, TEXT_SIZE = 128 };
 
 typedef enum { KIND_REAL, KIND_INTEGER, KIND_BOOLEAN, KIND_STRING } Kind;
@@ -117,5 +122,9 @@ fmi2Status evaluate(Instance *c, const char *function, const State *x);
 
 /* Evaluates the outputs where they do not fit the inputs. Changes no memory of the block. */
 fmi2Status make_outputs_fresh(Instance *c, const char *function);
+
+#if defined(__ELF__)
+#pragma GCC visibility pop
+#endif
 
 #endif
