@@ -21,6 +21,7 @@ import fmpy
 import pytest
 
 from fmus.build import ROOT, BuildError, blocks_of, build, ensure, ensure_all, is_current
+from fmus.native.toolchain import host_platform
 
 from .host import Host
 from .toy import toy
@@ -156,6 +157,19 @@ def test_what_is_built_by_default_is_native() -> None:
     assert ensure("plant") == ROOT / "out" / "fmus" / "native" / "plant.fmu"
 
 
+def test_what_need_only_run_here_has_one_library_and_stands_apart(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fmus.places.work", lambda: tmp_path)
+    path = ensure("allocator", here=True)
+    assert path == tmp_path / "fmus" / "here" / "allocator.fmu"
+    with zipfile.ZipFile(path) as archive:
+        found = [name for name in archive.namelist() if name.startswith("binaries/")]
+    assert [name.split("/")[1] for name in found] == [host_platform()]
+    first = path.stat().st_mtime_ns
+    assert ensure("allocator", here=True).stat().st_mtime_ns == first
+
+
 def test_every_file_that_makes_an_fmu_counts_for_its_fingerprint(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -193,7 +207,7 @@ def test_blocks_are_built_side_by_side_and_the_log_has_their_time(
 ) -> None:
     """Each `package` waits for the other, so this ends only where they run at the same time."""
     both = threading.Barrier(2, timeout=20)
-    monkeypatch.setattr("fmus.native.package", lambda interface, folder, licence: b"%d" % both.wait())
+    monkeypatch.setattr("fmus.native.package", lambda *_, **__: b"%d" % both.wait())
     monkeypatch.setattr("fmus.places.work", lambda: tmp_path)
     with caplog.at_level(logging.INFO, "attitude_cosim.build"):
         ensure_all(["plant", "allocator", "plant"])

@@ -60,11 +60,12 @@ def test_an_fmu_is_valid_and_small_and_has_all_platforms(
     path = tmp_path / f"{block}.fmu"
     path.write_bytes(packaged[block])
     assert validate_fmu(str(path)) == []
-    assert len(packaged[block]) < 520_000
+    assert len(packaged[block]) < 900_000  # a third of it sources
     with zipfile.ZipFile(path) as archive:
         names = [name for name in archive.namelist() if name.startswith("binaries/")]
     assert sorted(names) == [
-        f"binaries/{p}/{block}{toolchain.PLATFORMS[p].suffix}" for p in ("darwin64", "linux64", "win64")
+        f"binaries/{p}/{block}{toolchain.PLATFORMS[p].suffix}"
+        for p in ("aarch64-linux", "darwin64", "linux64", "win64")
     ]
     about = read_model_description(str(path)).coSimulation
     assert about.canGetAndSetFMUstate
@@ -127,7 +128,9 @@ def test_a_block_runs_on_every_x86_64(tmp_path: Path) -> None:
 
 
 def test_an_unknown_platform_is_refused() -> None:
-    with pytest.raises(native.CompilerError, match="platform 'linux32': expected linux64, win64, darwin64"):
+    with pytest.raises(
+        native.CompilerError, match="platform 'linux32': expected linux64, aarch64-linux, win64, darwin64"
+    ):
         native.package(load("allocator"), ROOT / "allocator", platforms=["linux32"])
 
 

@@ -72,7 +72,7 @@ def quick_build(monkeypatch):
 
 @pytest.mark.parametrize(("options", "told"), [((), "building allocator.fmu (native) ...\n"), (("--quiet",), "")])
 def test_a_run_says_which_fmu_it_builds_unless_quiet(loop, quick_build, monkeypatch, tmp_path, options, told):
-    def built(block, flavour):
+    def built(block, flavour, here):
         build(["allocator"], flavour, tmp_path)
         return loop.parent / "motor.fmu"
 

@@ -109,7 +109,7 @@ def test_whole_numbers_that_no_double_holds_are_refused_from_python_too(loop):
     "error", [NotADirectoryError(20, "Not a directory", "build/fmus"), OSError(28, "No space left")]
 )
 def test_a_build_folder_that_cannot_be_written_is_named(loop, monkeypatch, error):
-    def ensure(*arguments):
+    def ensure(*arguments, **named):
         raise error
 
     monkeypatch.setattr("orchestration.session.open.ensure", ensure)
