@@ -62,8 +62,8 @@ int main(void)
             }
         }
     }
-    printf("%s: %d rows of %d outputs; the largest difference is %.2g of its tolerance (%s); bits %08lx%08lx, %s\n", BLOCK,
-           ROWS, OUTPUTS, worst, where, (unsigned long)(hash >> 32), (unsigned long)(hash & 0xFFFFFFFFu),
+    printf("%s: %d rows of %d outputs; the largest difference is %.2g of its tolerance (%s); bits %08lx%08lx, %s\n",
+           BLOCK, ROWS, OUTPUTS, worst, where, (unsigned long)(hash >> 32), (unsigned long)(hash & 0xFFFFFFFFu),
            hash == bits ? "those of the FMU" : "not those of the FMU");
     return !(worst <= 1.0) ? 1 : hash == bits ? 0 : 2;
 }
