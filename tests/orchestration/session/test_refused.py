@@ -125,7 +125,7 @@ def test_a_build_folder_that_cannot_be_written_is_named(loop, monkeypatch, error
 def test_a_spoilt_build_is_told_with_its_remedy(loop, monkeypatch):
     spoilt = loop.parent / "plant.fmu"
     spoilt.write_bytes((loop.parent / "motor.fmu").read_bytes()[:-200])
-    monkeypatch.setattr("orchestration.session.open.ensure", lambda *arguments: spoilt)
+    monkeypatch.setattr("orchestration.session.open.ensure", lambda *arguments, **named: spoilt)
     told = refused(loop, "fmu: motor.fmu", "fmu: plant")
     assert told.endswith("plant.fmu is a damaged or truncated zip archive; remedy: orchestrate build plant")
     told = refused(loop, "duration: 2 s", "flavour: python\nduration: 2 s")
