@@ -22,7 +22,7 @@ from .campaign.case import read_campaign
 from .campaign.engine import Finished
 from .errors import InputError, Place, Problem, writing
 from .export import container, ssp
-from .export.system import check_plain, flat
+from .export.system import flat
 from .results.result import Result
 from .scenario.scenario import Scenario
 from .scenario.source import Source
@@ -114,18 +114,16 @@ def check_polarity(scenario: Given, ports: Sequence[str] = (), *, workers: int |
 def export_loop(scenario: Given, path: str | Path, *, for_orchestrate: bool = False) -> Path:
     """Writes a scenario as an SSP archive (.ssp) or as one FMU that holds all (.fmu), and returns the path.
 
-    `for_orchestrate` keeps rates, faults and delays in the archive, where only this program reads them; without it a
-    scenario that has them is refused. Raises ResultsError where the file cannot be written.
+    `for_orchestrate` keeps rates, faults and delays in the archive's annotation, where only this program reads them.
+    Without it they are parameters and FMUs. Raises ResultsError where the file cannot be written.
     """
     target = Path(path)
     writers = {".ssp": ssp.write, ".fmu": container.write}
     if target.suffix not in writers:
         raise InputError(Problem(expected="a name that ends in .ssp or .fmu", found=str(path), place=Place("path")))
     loaded = load(_source(scenario))
-    if not (for_orchestrate and target.suffix == ".ssp"):
-        check_plain(loaded, "SSP" if target.suffix == ".ssp" else "a container")
     with writing(target):
-        writers[target.suffix](flat(loaded), target)
+        writers[target.suffix](flat(loaded, for_orchestrate and target.suffix == ".ssp"), target)
     return target
 
 

@@ -117,16 +117,17 @@ def pack(
         os.replace(fmu, path)
 
 
-def libraries() -> dict[str, bytes]:
-    """Returns the library by platform: ready-made, or compiled where missing or out of date. Raises CompilerError."""
-    sources, headers = sorted(HERE.glob("*.c")), [HERE, SHELL]
-    texts = [path.read_bytes() for path in (*sources, *sorted(HERE.glob("*.h")), SHELL / "fmi2.h")]
-    folder = places.ready(NAME)
+def libraries(name: str = NAME, sources: Sequence[Path] = tuple(sorted(HERE.glob("*.c")))) -> dict[str, bytes]:
+    """Returns a library by platform: ready-made, or compiled where missing or out of date. Raises CompilerError."""
+    headers = list(dict.fromkeys([path.parent for path in sources] + [SHELL]))
+    mine = [path for folder in headers[:-1] for path in sorted(folder.glob("*.h"))]
+    texts = [path.read_bytes() for path in (*sources, *mine, SHELL / "fmi2.h")]
+    folder = places.ready(name)
     if folder is None:
         digest = hashlib.sha256(b"\n".join([*texts, f"{compiler()}{FLAGS}{PLATFORMS}".encode()])).hexdigest()[:16]
-        folder = places.work() / "telemetry" / digest
+        folder = places.work() / name / digest
         if not folder.exists():
-            made = compile_library(NAME, sources, headers, PLATFORMS, hosted=True)
+            made = compile_library(name, sources, headers, PLATFORMS, hosted=True)
             folder.parent.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryDirectory(dir=folder.parent) as new:
                 for platform, library in made.items():

@@ -9,7 +9,7 @@
 #include <unistd.h>
 #endif
 
-enum { PATH_SIZE = 1024 }; /* a function has 4 KB of stack where there is no C library */
+enum { PATH_SIZE = 1024, NAME_SIZE = 33 }; /* a function has 4 KB of stack where there is no C library */
 
 static int digit(char c)
 {
@@ -30,17 +30,16 @@ static const char *behind(const char *text, const char *beginning)
     return at;
 }
 
-/* file:///folder%20name/resources as /folder name/resources/telemetry.bin; on Windows without the first slash. */
-static bool path_of(const char *uri, char *path)
+/* file:///folder%20name/resources as /folder name/resources/NAME; on Windows without the first slash. */
+static bool path_of(const char *uri, const char *name, char *path)
 {
-    static const char name[] = "/telemetry.bin";
     const char *local = behind(uri, "file:"), *from = local == NULL ? uri : local;
     from += behind(from, "///") != NULL ? 2 : 0;
     size_t n = 0;
 #if defined(_WIN32)
     from += *from == '/';
 #endif
-    while (*from != '\0' && n < PATH_SIZE - sizeof name) {
+    while (*from != '\0' && n < PATH_SIZE - NAME_SIZE) {
         if (*from == '%' && digit(from[1]) >= 0 && digit(from[2]) >= 0) {
             path[n++] = (char)(16 * digit(from[1]) + digit(from[2]));
             from += 3;
@@ -49,17 +48,20 @@ static bool path_of(const char *uri, char *path)
         }
     }
     n -= n > 0 && path[n - 1] == '/';
-    memcpy(path + n, name, sizeof name);
+    path[n++] = '/';
+    for (size_t i = 0; i + 1 < NAME_SIZE && (i == 0 || name[i - 1] != '\0'); ++i) {
+        path[n++] = name[i];
+    }
     return *from == '\0';
 }
 
 #if defined(_WIN32)
 
-bool record_open(RecordFile *file, const char *resources)
+bool record_open(RecordFile *file, const char *resources, const char *name)
 {
     char path[PATH_SIZE];
     WCHAR wide[PATH_SIZE];
-    if (!path_of(resources, path) || MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, PATH_SIZE) == 0) {
+    if (!path_of(resources, name, path) || MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, PATH_SIZE) == 0) {
         return false;
     }
     const HANDLE handle = CreateFileW(wide, GENERIC_READ, FILE_SHARE_READ, NULL, OPEN_EXISTING, 0, NULL);
@@ -91,10 +93,10 @@ void record_close(RecordFile *file)
 
 #else
 
-bool record_open(RecordFile *file, const char *resources)
+bool record_open(RecordFile *file, const char *resources, const char *name)
 {
     char path[PATH_SIZE];
-    const int handle = path_of(resources, path) ? open(path, O_RDONLY) : -1;
+    const int handle = path_of(resources, name, path) ? open(path, O_RDONLY) : -1;
     file->open = handle >= 0;
     file->handle = handle;
     return file->open;

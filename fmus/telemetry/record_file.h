@@ -11,8 +11,8 @@ typedef struct {
     bool open;
 } RecordFile;
 
-/* Opens telemetry.bin in the folder of a file URI, as FMI 2.0 gives that of the resources. */
-bool record_open(RecordFile *file, const char *resources);
+/* Opens a file in the folder of a file URI, as FMI 2.0 gives that of the resources; its name has at most 31 characters. */
+bool record_open(RecordFile *file, const char *resources, const char *name);
 
 /* Reads all of these bytes; false where there are fewer. */
 bool record_read(RecordFile *file, void *into, size_t bytes);

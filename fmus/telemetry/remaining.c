@@ -1,4 +1,4 @@
-/* What FMI 2.0 asks of every FMU and a record has no use for. */
+/* What FMI 2.0 asks of every FMU, and a record and an FMU of changes have no use for. */
 #include "fmi2.h"
 
 const char *fmi2GetTypesPlatform(void)
@@ -17,16 +17,11 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const 
     return fmi2OK;
 }
 
-#define SET(NAME, TYPE)                                                                                                \
-    fmi2Status NAME(fmi2Component c, const fmi2ValueReference r[], size_t n, const TYPE v[])                           \
-    {                                                                                                                  \
-        (void)c, (void)r, (void)v;                                                                                     \
-        return n == 0 ? fmi2OK : fmi2Error;                                                                            \
-    }
-
-SET(fmi2SetInteger, fmi2Integer)
-SET(fmi2SetBoolean, fmi2Boolean)
-SET(fmi2SetString, fmi2String)
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String v[])
+{
+    (void)c, (void)r, (void)v;
+    return n == 0 ? fmi2OK : fmi2Error;
+}
 
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[])
 {

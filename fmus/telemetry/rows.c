@@ -76,7 +76,7 @@ bool rows_rewind(Telemetry *t)
 bool rows_open(Telemetry *t, const char *resources, const char *guid, const char **reason)
 {
     uint32_t sizes[PORTS_MAX];
-    if (!record_open(&t->file, resources) || !record_read(&t->file, &t->head, sizeof t->head)) {
+    if (!record_open(&t->file, resources, "telemetry.bin") || !record_read(&t->file, &t->head, sizeof t->head)) {
         *reason = "resources/telemetry.bin cannot be read";
         return false;
     }

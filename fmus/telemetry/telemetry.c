@@ -183,3 +183,13 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n, 
     }
     return fmi2OK;
 }
+
+#define SET(NAME, TYPE)                                                                                                \
+    fmi2Status NAME(fmi2Component c, const fmi2ValueReference r[], size_t n, const TYPE v[])                           \
+    {                                                                                                                  \
+        (void)c, (void)r, (void)v;                                                                                     \
+        return n == 0 ? fmi2OK : fmi2Error;                                                                            \
+    }
+
+SET(fmi2SetInteger, fmi2Integer)
+SET(fmi2SetBoolean, fmi2Boolean)

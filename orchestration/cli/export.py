@@ -12,7 +12,7 @@ import click
 from ..errors import InputError, writing
 from ..export import container as container_writer
 from ..export import ssp as ssp_writer
-from ..export.system import check_plain, flat
+from ..export.system import flat
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
 from ..scenario.scenario import Scenario
@@ -68,15 +68,11 @@ def command(
         if not path.absolute().parent.is_dir():
             raise InputError(f"{path}: there is no folder {path.parent}")
     loaded = load(source)
-    if container is not None:
-        check_plain(loaded, "a container")
-    if ssp is not None and not for_orchestrate:
-        check_plain(loaded, "SSP", "--for-orchestrate keeps it in an annotation, which no other tool reads")
     if foreign := [name for name, entry in loaded.blocks.items() if is_path(entry.fmu)]:
         say(f"note: runs the FMUs of others for one step, for the values at t = 0: {', '.join(foreign)}", error=True)
     if ssp is not None and (kept := _guards(loaded)):
         say(f"note: the archive does not carry {', '.join(kept)}: who runs it decides that", error=True)
-    system = flat(loaded, rates_kept=for_orchestrate and container is None)
+    system = flat(loaded, kept=for_orchestrate and container is None)
     for path, suffix in targets:
         with writing(path):
             (ssp_writer if suffix == ".ssp" else container_writer).write(system, path)

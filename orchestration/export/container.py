@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import logging
-import shutil
 import tempfile
 import zipfile
 from pathlib import Path
@@ -39,7 +38,7 @@ def write(system: System, path: Path) -> None:
     with tempfile.TemporaryDirectory(prefix="orchestrate-") as temporary:
         work = Path(temporary)
         for component in system.components:
-            shutil.copyfile(component.fmu.path, work / _file(component.name))
+            (work / _file(component.name)).write_bytes(component.content)
         (work / "container.json").write_text(json.dumps(_description(system, path.name)), "utf-8")
         try:
             Assembly(work / "container.json", fmu_directory=work).make_fmu(filename=path.name)

@@ -26,7 +26,7 @@ def write(system: System, path: Path) -> None:
     """Writes the archive. The same system gives the same bytes, but for FMUs that differ."""
     files = {STRUCTURE: _structure(system)}
     for component in system.components:
-        files[_resource(system, component)] = component.fmu.path.read_bytes()
+        files[_resource(system, component)] = component.content
         if component.values:
             files[f"resources/{component.name}.ssv"] = parameter_set(component.values)
     with putting(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -39,7 +39,7 @@ def write(system: System, path: Path) -> None:
 
 def _resource(system: System, component: Component) -> str:
     """Components of one FMU share its file, which has the first one's name."""
-    first = next(c for c in system.components if c.fmu.path == component.fmu.path)
+    first = next(c for c in system.components if (c.fmu.path, c.fed) == (component.fmu.path, component.fed))
     return f"resources/{first.name}.fmu"
 
 
@@ -92,6 +92,11 @@ def _annotations(top: ET.Element, system: System) -> None:
 def _rest(system: System) -> dict[str, Any]:
     """Returns what the scenario says beyond components, connections and values."""
     data = {k: v for k, v in system.scenario.source.data.items() if k in KEYS}
+    if system.delays is not None:  # faults, values and other delays are FMUs
+        data = {k: v for k, v in data.items() if k not in ("faults", "delays", "timeline")}
+        phases = [{k: v for k, v in e.items() if k != "set"} for e in system.scenario.source.data.get("timeline") or ()]
+        data |= {"delays": list(system.delays)} if system.delays else {}
+        data |= {"timeline": kept} if (kept := [entry for entry in phases if "phase" in entry]) else {}
     given = system.scenario.source.data["blocks"]
     blocks = {name: {k: v for k, v in entry.items() if k in BLOCK_KEYS} for name, entry in given.items()}
     return data | {"blocks": {name: entry for name, entry in blocks.items() if entry}}

@@ -6,29 +6,33 @@ most tools exchange nothing in initialization mode.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import atexit
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
+from fmus.changes import packed
 from fmus.interface import SAMPLE_PERIOD
+from fmus.native.toolchain import CompilerError
 
+from .. import temporary
 from ..errors import InputError
-from ..fmu.archive import Fmu
+from ..fmu.archive import Fmu, open_fmu
 from ..fmu.model import Model, Variable
 from ..fmu.starts import scalars_of, starts_of
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
 from ..scenario.source import Key
-from ..session.open import open_fmus, open_scenario
-from ..session.plan import Plan
+from ..session.open import Opened, open_fmus, open_scenario
 from ..session.run import whole
 from ..system.wiring import Node
+from .changes import KEPT, Changed, Values, changes, start_of, unchanged_delays, with_inputs
 
 Scalar = float | int | bool | str
 
 _ONLY_OURS = ", which only this orchestrator can do; cannot be exported"
-_KEPT = "with --ssp, --for-orchestrate keeps it in an annotation, which no other tool reads"
-_LEFT_OUT = ("expect", "holds", "consistency", "figures", "faults", "timeline", "phases", "cycle", "record")
+_LEFT_OUT = ("expect", "holds", "consistency", "figures", "timeline", "phases", "cycle", "record")
 """What the step for the values of t = 0 goes without."""
 
 
@@ -61,6 +65,13 @@ class Component:
     """The scenario's start values, and the values at t = 0 of the inputs that are connected."""
     free: tuple[Port, ...]
     """Its parameters, and the inputs that are not connected."""
+    fed: frozenset[str] = frozenset()
+    """Parameters that are inputs in the exported copy of the FMU."""
+
+    @cached_property
+    def content(self) -> bytes:
+        """The bytes of the exported FMU."""
+        return with_inputs(self.fmu, self.fed)
 
 
 @dataclass(frozen=True)
@@ -80,30 +91,81 @@ class System:
     wires: tuple[Wire, ...]
     order: tuple[str, ...]
     """The components in the order in which the scenario steps them."""
+    delays: tuple[str, ...] | None = None
+    """The inputs whose delay this order makes; None where the annotation keeps rates, faults and delays."""
 
 
-def check_plain(scenario: Scenario, what: str, remedy: str = "") -> None:
-    """Refuses what only this orchestrator does, and what `what` would leave out without a word. Raises InputError."""
-    remedies = f"; {remedy}" if remedy else ""
-    if scenario.faults:
-        raise InputError(scenario.error(("faults",), f"{what} has no faults{remedies}"))
-    if any(entry.set for entry in scenario.timeline):
-        message = f"{what} has no commands at given times{remedies}"
-        raise InputError(scenario.error(("timeline",), message))
-
-
-def flat(scenario: Scenario, rates_kept: bool = False) -> System:
+def flat(scenario: Scenario, kept: bool = False) -> System:
     """Returns the system of a scenario. Raises InputError where it cannot run or needs more than wires; BlockError.
 
-    A block with `every` has its rate as sample_period. One that lacks this parameter is refused, unless the rates are
-    kept for orchestrate.
+    A block with `every` has its rate as sample_period; faults, delays and the timeline are FMUs before the blocks to
+    which they happen. With `kept` all this stays in the annotation of an archive, for orchestrate.
     """
     opened = open_scenario(scenario, open_fmus(scenario, here=False))
     fmus, prepared, plan = opened.fmus, opened.prepared, opened.plan
+    _check(scenario, opened)
+    names: dict[Node, str] = {}
+    for name, fmu in fmus.items():
+        names |= _names(name, fmu, prepared.models[name].variables)
+    owns = {name: starts_of(fmu.description, prepared.models[name]) for name, fmu in fmus.items()}
+    initial = _initial(scenario)
+    values = Values(start_of(plan, owns), initial)
+
+    def variable(node: Node) -> Variable:
+        return prepared.models[node.block].variables[node.element.variable].at([node.element.position])
+
+    changed = {} if kept else changes(scenario, plan, names, variable, values)
+    channels = {node: (c.name, channel) for c in changed.values() for node, channel in c.channels.items()}
+    fed: dict[str, dict[Node, Scalar]] = {name: {} for name in fmus}
+    wires = []
+    for link in plan.wiring.links:
+        for source, target in zip(link.source, link.target, strict=True):
+            before = channels.get(target)
+            end = (target.block, names[target]) if before is None else (before[0], before[1].inner)
+            wires.append(Wire((source.block, names[source]), end, link.factor, link.offset))
+            given = [start.value for start in plan.starts[target.block] if start.element == target.element]
+            if before is None and not link.delayed:
+                given = [_converted(initial[source], link.factor, link.offset)]
+            fed[target.block].update(dict.fromkeys([target], *given) if given else {})
+    for node, (name, channel) in channels.items():
+        wires.append(Wire((name, channel.name), (node.block, names[node]), 1.0, 0.0))
+        fed[node.block][node] = _typed(channel.start, variable(node).type)
+    components = []
+    targets = {wire.target for wire in wires}
+    for name, fmu in fmus.items():
+        model = prepared.models[name]
+        nodes = [
+            (n, kind) for kind in ("input", "output", "parameter") for v in model.of(kind) for n in _nodes(name, v)
+        ]
+        ports = [
+            Port(names[n], variable(n), "output" if kind == "output" else "input")
+            for n, kind in nodes
+            if kind == "output" or (name, names[n]) in targets
+        ]
+        values_of = {Node(name, start.element): start.value for start in plan.starts[name]} | fed[name]
+        if (every := scenario.blocks[name].every) > 1 and (SAMPLE_PERIOD in model.variables or not kept):
+            values_of[_sampling(scenario, name, model)] = float(every * Fraction(repr(scenario.step)))
+        exported = [
+            Value(names[n], variable(n), value)
+            for n, value in values_of.items()
+            if _worth(variable(n), value, owns[name].get(n.element))
+        ]
+        others = [(n, k) for k in ("input", "parameter") for n, kind in nodes if kind == k]
+        free = [Port(names[n], variable(n), kind) for n, kind in others if (name, names[n]) not in targets]
+        set_ = frozenset(names[n] for n, kind in nodes if kind == "parameter" and (name, names[n]) in targets)
+        components.append(Component(name, fmu, tuple(ports), tuple(exported), tuple(free), set_))
+    components += [_inserted(scenario, block, c, variable) for block, c in changed.items()]
+    order = [n for block in plan.order.blocks for n in ([changed[block].name] if block in changed else []) + [block]]
+    delays = None if kept else tuple(unchanged_delays(plan, changed))
+    return System(scenario, tuple(components), tuple(wires), tuple(order), delays)
+
+
+def _check(scenario: Scenario, opened: Opened) -> None:
+    """Refuses FMUs that no other tool could run as we do. Raises InputError."""
     for name in scenario.blocks:
-        fit = prepared.fits.get(name)
-        if fmus[name].model.prefix != "fmi2":
-            message = f"it is an FMU of FMI {fmus[name].model.fmi}; what is exported holds FMUs of FMI 2.0 only"
+        fit = opened.prepared.fits.get(name)
+        if opened.fmus[name].model.prefix != "fmi2":
+            message = f"it is an FMU of FMI {opened.fmus[name].model.fmi}; what is exported holds FMUs of FMI 2.0 only"
             raise InputError(scenario.error(("blocks", name, "fmu"), message))
         if substeps := opened.rates.substeps.get(name):
             message = (
@@ -113,64 +175,31 @@ def flat(scenario: Scenario, rates_kept: bool = False) -> System:
         if fit is not None and not fit.identical:
             message = f"its ports are mapped to those of another interface{_ONLY_OURS}"
             raise InputError(scenario.error(("blocks", name), message))
-    if not rates_kept:
-        _check_delays(scenario, plan)
-    names = {name: _names(name, fmu, prepared.models[name].variables) for name, fmu in fmus.items()}
-    initial = _initial(scenario)
-    fed: dict[str, dict[Node, Scalar]] = {name: {} for name in fmus}
-    wires = []
-    for link in plan.wiring.links:
-        for source, target in zip(link.source, link.target, strict=True):
-            ends = [(node.block, names[node.block][node]) for node in (source, target)]
-            wires.append(Wire(ends[0], ends[1], link.factor, link.offset))
-            given = [start.value for start in plan.starts[target.block] if start.element == target.element]
-            if not link.delayed:
-                given = [_converted(initial[source], link.factor, link.offset)]
-            fed[target.block].update(dict.fromkeys([target], *given) if given else {})
-    targets = {wire.target for wire in wires}
-    components = []
-    for name, fmu in fmus.items():
-        model = prepared.models[name]
-        nodes = [(n, v, kind) for kind in ("input", "output") for v in model.of(kind) for n in _nodes(name, v)]
-        ports = [
-            Port(names[name][n], v.at([n.element.position]), kind)
-            for n, v, kind in nodes
-            if kind == "output" or (name, names[name][n]) in targets
-        ]
-        values = {Node(name, start.element): start.value for start in plan.starts[name]} | fed[name]
-        if (every := scenario.blocks[name].every) > 1 and (SAMPLE_PERIOD in model.variables or not rates_kept):
-            values[_sampling(scenario, name, model)] = float(every * Fraction(repr(scenario.step)))
-        own = starts_of(fmu.description, model)
-        exported = [
-            Value(names[name][n], model.variables[n.element.variable].at([n.element.position]), value)
-            for n, value in values.items()
-            if _worth(model.variables[n.element.variable], value, own.get(n.element))
-        ]
-        others = [(n, v, kind) for kind in ("input", "parameter") for v in model.of(kind) for n in _nodes(name, v)]
-        free = [
-            Port(names[name][n], v.at([n.element.position]), kind)
-            for n, v, kind in others
-            if (name, names[name][n]) not in targets
-        ]
-        components.append(Component(name, fmu, tuple(ports), tuple(exported), tuple(free)))
-    return System(scenario, tuple(components), tuple(wires), tuple(plan.order.blocks))
 
 
-def _check_delays(scenario: Scenario, plan: Plan) -> None:
-    """Refuses delays that the order of the steps does not make by itself. Raises InputError.
+def _inserted(scenario: Scenario, block: str, changed: Changed, variable: Callable[[Node], Variable]) -> Component:
+    """The component before a block, whose FMU stands in a folder that goes when the process ends. Raises InputError."""
+    about = f"Faults, delays and set values before {block} in {scenario.name}"
+    try:
+        fmu = packed(list(changed.channels.values()), about, float(scenario.duration), float(scenario.step))
+    except (CompilerError, ValueError) as error:
+        raise InputError(f"the FMU before {block} cannot be made: {error}") from None
+    folder = temporary.make("orchestrate-changes-")
+    atexit.register(temporary.remove, folder)
+    path = folder / f"{changed.name}.fmu"
+    path.write_bytes(fmu)
+    ports, values = [], []
+    for node, channel in changed.channels.items():
+        about_it = variable(node)
+        ports.append(Port(channel.name, about_it, "output"))
+        if channel.fed:
+            ports.append(Port(channel.inner, about_it, "input"))
+            values.append(Value(channel.inner, about_it, _typed(channel.given, about_it.type)))
+    return Component(changed.name, open_fmu(path), tuple(ports), tuple(values), ())
 
-    A host that steps one block after the other gives a block what those behind it had at the step before.
-    """
-    place = {name: i for i, name in enumerate(plan.order.blocks)}
-    for link in (link for link in plan.wiring.links if link.delayed):
-        source, target = link.source[0].block, link.target[0].block
-        if scenario.exchange != "sequential" or place[source] < place[target]:
-            message = f"{target} is stepped after {source}, so no order of the steps delays this connection"
-            if scenario.exchange != "sequential":
-                message = (
-                    f"{source} -> {target}: a parallel exchange delays every connection by a step, and this by two"
-                )
-            raise InputError(scenario.error(("delays",), f"{message}; {_KEPT}"))
+
+def _typed(value: float, kind: str) -> Scalar:
+    return bool(value) if kind == "boolean" else value if kind == "real" else round(value)
 
 
 def _sampling(scenario: Scenario, block: str, model: Model) -> Node:
@@ -178,7 +207,7 @@ def _sampling(scenario: Scenario, block: str, model: Model) -> Node:
     if (variable := model.variables.get(SAMPLE_PERIOD)) is None:
         message = f"other tools step all blocks at one rate, and its FMU has no parameter {SAMPLE_PERIOD}"
         remedy = "no 'every', and the slowest block's step for all"
-        raise InputError(scenario.error(("blocks", block, "every"), f"{message}; remedy: {remedy}; {_KEPT}"))
+        raise InputError(scenario.error(("blocks", block, "every"), f"{message}; remedy: {remedy}; {KEPT}"))
     if (key := scenario.given(block).get(SAMPLE_PERIOD)) is not None:
         raise InputError(scenario.error(key, "every says it, too; expected one of the two"))
     return Node(block, variable.elements[0])
@@ -188,15 +217,16 @@ def _initial(scenario: Scenario) -> dict[Node, Scalar]:
     """Returns every output at t = 0."""
     keys: list[Key] = [(key,) for key in _LEFT_OUT]
     longest = max(entry.every for entry in scenario.blocks.values())
-    short = load(scenario.source.without(keys).with_value("duration", longest * scenario.step, "export"))
+    source = scenario.source.without(keys).with_value("duration", longest * scenario.step, "export")
+    at_once = [scenario.source.data["faults"][i] for i, fault in enumerate(scenario.faults) if fault.at == 0.0]
+    short = load(source.with_value("faults", at_once, "export") if scenario.faults else source)
     result = whole(short)
     if result.failure is not None:
         raise result.failure
     outputs: dict[Node, Scalar] = {}
     for node in result.columns:
         kind = result.models[node.block].variables[node.element.variable].type
-        value = float(result.column(node)[0])
-        outputs[node] = bool(value) if kind == "boolean" else value if kind == "real" else round(value)
+        outputs[node] = _typed(float(result.column(node)[0]), kind)
     return outputs
 
 
