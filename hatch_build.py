@@ -125,7 +125,7 @@ def _ready_made(folder: Path) -> None:
     """FMUs of both flavours, the step loop's libraries, scenarios and licence."""
     sys.path.insert(0, str(ROOT))  # the build backend runs outside the repository's packages
     # Here, since it needs the path above.
-    from fmus import telemetry  # here, since it needs the path above  # noqa: PLC0415
+    from fmus import changes, telemetry  # here, since it needs the path above  # noqa: PLC0415
     from fmus.build import FLAVOURS, blocks_of, build, is_current  # noqa: PLC0415
     from fmus.native import toolchain  # here, since it needs the path above  # noqa: PLC0415
 
@@ -141,9 +141,10 @@ def _ready_made(folder: Path) -> None:
     (folder / "loop").mkdir()
     for platform, library in toolchain.compile_library("loop", loop, headers, toolchain.PLATFORMS).items():
         (folder / "loop" / f"{platform}{toolchain.PLATFORMS[platform].suffix}").write_bytes(library)
-    (folder / "telemetry").mkdir()
-    for platform, library in telemetry.libraries().items():
-        (folder / "telemetry" / platform).write_bytes(library)
+    for name, libraries in (("telemetry", telemetry.libraries()), ("changes", changes.libraries())):
+        (folder / name).mkdir()
+        for platform, library in libraries.items():
+            (folder / name / platform).write_bytes(library)
     shutil.copy(ROOT / "LICENSE", folder)
     for path in (ROOT / "scenarios").rglob("*.yaml"):
         target = folder / path.relative_to(ROOT)

@@ -78,8 +78,7 @@ def packed(channels: Sequence[Channel], description: str, stop: float, step: flo
             f"expected at most {CHANNELS_MAX} signals with {OPERATIONS_MAX} changes before a block, found "
             f"{len(channels)} with {len(operations)}"
         )
-    sources = [*sorted(HERE.glob("*.c")), *(HERE.parent / "telemetry" / f"{n}.c" for n in ("record_file", "remaining"))]
-    compiled = telemetry.libraries(NAME, sources)
+    compiled = libraries()
     digest = hashlib.sha256(repr((channels, description, stop, step)).encode())
     for library in compiled.values():
         digest.update(library)
@@ -95,6 +94,12 @@ def packed(channels: Sequence[Channel], description: str, stop: float, step: flo
     licence = places.shared("LICENSE")
     files |= {"documentation/licenses/license.txt": licence.read_bytes()} if licence.exists() else {}
     return archive({**files, "resources/changes.bin": table})
+
+
+def libraries() -> dict[str, bytes]:
+    """Returns the library by platform; it has two of telemetry's sources. Raises CompilerError."""
+    shared = [telemetry.HERE / f"{name}.c" for name in ("record_file", "remaining")]
+    return telemetry.libraries(NAME, [*sorted(HERE.glob("*.c")), *shared])
 
 
 def _description(channels: Sequence[Channel], guid: str, description: str, stop: float, step: float) -> bytes:

@@ -8,7 +8,7 @@
 static fmi2Status refuse(const Changes *c, const char *message)
 {
     if (c->calls.logger != NULL) {
-        c->calls.logger(c->calls.componentEnvironment, c->name, fmi2Error, "logStatusError", "%s", message);
+        c->calls.logger(c->calls.componentEnvironment, c->name, fmi2Error, "logStatusError", message);
     }
     return fmi2Error;
 }

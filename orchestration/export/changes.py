@@ -81,7 +81,8 @@ def changes(
             raise InputError(f"{settings[0][0].name}: text is set during the run, and no FMU passes text on; {KEPT}")
         rows = tuple(_of_value(s, value, scenario.blocks[node.block].every, step) for s, value in settings)
         add(node, start=values.start(node), operations=rows)
-    if made and scenario.exchange != "sequential":
+    delayed = any(link.delayed for link in plan.wiring.links)
+    if (made or delayed) and scenario.exchange != "sequential":
         key = ("delays",) if scenario.delays else ("faults",) if scenario.faults else ("timeline",)
         message = "a parallel exchange delays what goes through an FMU by one more step"
         raise InputError(scenario.error(key, f"{message}; remedy: exchange: sequential; {KEPT}"))
@@ -148,17 +149,22 @@ def _declared(xml: bytes, names: frozenset[str]) -> bytes:
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True)
 
 
-def unchanged_delays(plan: Plan, changed: Mapping[str, Changed]) -> list[str]:
-    """The inputs whose delay the order of the steps makes, as the archive's annotation names them."""
+def delays_by_order(plan: Plan, changed: Mapping[str, Changed]) -> list[str]:
+    """The inputs whose delay the order of the steps makes, as the archive's annotation names them.
+
+    What a later block gives to an FMU of changes is among them: that FMU hands through what it gets, and plans of ours
+    would step it behind the other.
+    """
+    places = {name: i for i, name in enumerate(plan.order.blocks)}
     delays = []
-    for link in (link for link in plan.wiring.links if link.delayed):
-        for node in link.target:
+    for link in plan.wiring.links:
+        for source, node in zip(link.source, link.target, strict=True):
             before = changed.get(node.block)
             channel = before.channels.get(node) if before else None
             if before is None or channel is None:
                 variable = plan.models[node.block].variables[node.element.variable]
-                delays.append(f"{node.block}.{variable.label(node.element.position)}")
-            elif not channel.delayed:
+                delays += [f"{node.block}.{variable.label(node.element.position)}"] * link.delayed
+            elif not channel.delayed and places[source.block] >= places[node.block]:
                 delays.append(f"{before.name}.{channel.inner.replace(',', '][')}")
     return delays
 

@@ -27,7 +27,7 @@ from ..scenario.source import Key
 from ..session.open import Opened, open_fmus, open_scenario
 from ..session.run import whole
 from ..system.wiring import Node
-from .changes import KEPT, Changed, Values, changes, start_of, unchanged_delays, with_inputs
+from .changes import KEPT, Changed, Values, changes, delays_by_order, start_of, with_inputs
 
 Scalar = float | int | bool | str
 
@@ -152,11 +152,12 @@ def flat(scenario: Scenario, kept: bool = False) -> System:
         ]
         others = [(n, k) for k in ("input", "parameter") for n, kind in nodes if kind == k]
         free = [Port(names[n], variable(n), kind) for n, kind in others if (name, names[n]) not in targets]
-        set_ = frozenset(names[n] for n, kind in nodes if kind == "parameter" and (name, names[n]) in targets)
+        during = {n.element.variable for n, kind in nodes if kind == "parameter" and (name, names[n]) in targets}
+        set_ = frozenset(names[n] for n, _ in nodes if n.element.variable in during)
         components.append(Component(name, fmu, tuple(ports), tuple(exported), tuple(free), set_))
     components += [_inserted(scenario, block, c, variable) for block, c in changed.items()]
     order = [n for block in plan.order.blocks for n in ([changed[block].name] if block in changed else []) + [block]]
-    delays = None if kept else tuple(unchanged_delays(plan, changed))
+    delays = None if kept else tuple(delays_by_order(plan, changed))
     return System(scenario, tuple(components), tuple(wires), tuple(order), delays)
 
 

@@ -124,8 +124,9 @@ def _link(
     theirs = [fitted.theirs.variables[element.variable] for element in elements]
     names = named(fitted.theirs, elements)
     label = f"{ours.causality} {ours.name}" + (f" = {names}" if names != ours.name else "")
+    settable = ours.causality == "parameter" and ours.variability == "tunable"
     for variable in theirs:
-        if variable.causality != ours.causality:
+        if variable.causality != ours.causality and not (settable and variable.causality == "input"):
             text = f"{label}: {variable.name} is of causality {variable.causality}, expected {ours.causality}"
             return fitted.say("error", "causality", text, "map it to another variable, or change the FMU", key)
         if variable.type != ours.type:

@@ -10,7 +10,6 @@ import pytest
 
 from orchestration import InputError, load, run
 from orchestration.cli.summary import summary
-from orchestration.export.system import check_plain
 from orchestration.quantities import SECOND, Quantity
 from orchestration.results.figures import draw
 from orchestration.results.phases import bands
@@ -298,9 +297,3 @@ def test_an_input_that_is_connected_is_refused_with_the_remedy(tmp_path: Path) -
         InputError, match="controller.omega_B is connected; remedy: 'cut: controller.omega_B' with 'to'"
     ):
         run(load(loaded.source.with_entry(("timeline",), timeline)), duration=2.0)
-
-
-def test_an_archive_has_no_timeline_but_in_its_annotation(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="timeline: .*has no commands at given times"):
-        check_plain(load({**BASE, "timeline": TIMELINE}), "an SSP archive")
-    check_plain(load({**BASE, "timeline": TIMELINE[:1]}), "an SSP archive")  # a phase alone changes nothing

@@ -1,0 +1,88 @@
+"""Every shipped scenario leaves: as a container, and as an archive that a plain C host flies with our bits.
+
+The whole flights, and what differs where a host steps all blocks at once: python -m tests.tools.exchanges.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+
+import orchestration
+from orchestration import load
+from orchestration.errors import InputError
+
+from .archives import validate
+from .exchanges import SCENARIOS, compared, plain
+from .sequential import flown
+
+pytestmark = pytest.mark.thorough
+
+SOON = {"fault_failed_rod": 40.0, "fault_lost_magnetometer": 100.0, "fault_stuck_wheel": 110.0}
+"""How long is flown, s, so that the fault is in it."""
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the host is written for Linux")
+@pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
+def test_a_plain_c_host_flies_the_exported_scenario_with_our_bits(path: Path, tmp_path: Path) -> None:
+    scenario = plain(path, SOON.get(path.stem, 40.0))
+    found = compared(scenario, tmp_path, ("sequential",))["sequential"]
+    assert all(difference.max() == 0.0 for difference in found.values())
+    validate(tmp_path / f"{scenario.name}.ssp")
+
+
+def test_a_container_of_a_scenario_with_faults_has_our_bits(tmp_path: Path) -> None:
+    scenario = plain(ROOT / "scenarios" / "fault_stuck_wheel.yaml", 110.0)
+    container = orchestration.export_loop(scenario, tmp_path / "adcs.fmu")
+    names = ["plant.h_w", "controller.attitude_error"]
+    result = fmpy.simulate_fmu(str(container), stop_time=110.0, output_interval=0.1, output=names)
+    ours = orchestration.run(scenario)
+    for name in names:
+        assert np.array_equal(result[name], ours[name])
+
+
+FAULTS: dict[str, list[dict[str, Any]]] = {
+    "a late signal": [{"at": 3, "until": 7, "freeze": "allocator.dipole_cmd"}],
+    "a delayed signal": [{"at": 3, "cut": "estimator.dipole[2]", "to": 0.5}],
+    "from the start": [{"at": 0, "until": 4.5, "bias": "sensors.b_B_measured", "by": [1e-6, 0, 0]}],
+    "one upon another": [
+        {"at": 2, "bias": "plant.omega_B", "by": [0.001, 0, 0]},
+        {"at": 4.5, "until": 8, "freeze": "sensors.omega_B"},
+    ],
+    "a parameter over the timeline": [{"at": 2.5, "until": 6, "set": "plant.rod_gain[1] = 0.5"}],
+    "a flag": [{"at": 3, "until": 6, "cut": "estimator.attitude_valid", "to": True}],
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_faults_of_all_kinds_have_our_bits_at_rates_and_behind_delays(name: str, tmp_path: Path) -> None:
+    flight = "mission_day" if name == "a flag" else "flight_estimated"
+    source = plain(ROOT / "scenarios" / f"{flight}.yaml", 10.0).source.with_value("faults", FAULTS[name], "")
+    timeline = [{"at": 1, "set": {"plant.rod_gain[1]": 0.9}}, {"at": 4, "set": {"plant.rod_gain[1]": 0.8}}]
+    scenario = load(source.with_value("timeline", timeline, ""))
+    archive = orchestration.export_loop(scenario, tmp_path / "adcs.ssp")
+    validate(archive)
+    ours = orchestration.run(scenario)
+    signals = [label for label in ours.labels if label.startswith(("plant.omega_B", "allocator.dipole_cmd"))]
+    wanted = np.column_stack([ours.samples[:, ours.labels.index(s)] for s in signals])[1:]
+    step = float(scenario.step)
+    theirs = np.array(flown(archive, step, round(10.0 / step), signals, adds_up=True))
+    assert np.array_equal(theirs, wanted)
+    back = orchestration.run(archive)
+    assert np.array_equal(np.column_stack([back.samples[:, back.labels.index(s)] for s in signals])[1:], wanted)
+    undisturbed = orchestration.run(load(source.without([("faults",), ("timeline",)])))
+    assert not np.array_equal(undisturbed["plant.omega_B"], ours["plant.omega_B"])
+
+
+def test_what_no_fmu_passes_on_is_refused_with_its_one_reason(tmp_path: Path) -> None:
+    source = plain(SCENARIOS[0], 30.0).source.with_value("exchange", "parallel", "")
+    with pytest.raises(
+        InputError, match="faults: a parallel exchange delays what goes through an FMU by one more step"
+    ):
+        orchestration.export_loop(load(source), tmp_path / "adcs.ssp")
