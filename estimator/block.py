@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import onboard
+from .banked import Banked
 from .estimate import advanced
 from .parameters import Parameters, check
 from .so3 import Array, norm, require_rotation
@@ -26,6 +27,7 @@ R_MIN = 1e6
 """m"""
 STEP_MAX = 1000.0
 """s"""
+_MEASURED = "omega_B_measured b_B_measured r_N_measured v_N_measured sun_B_measured sun_sensors R_NB_measured".split()
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ class Inputs:
     v_N_measured: Array
     R_NB_measured: Array
     sun_B_measured: Array
+    sun_sensors: Array
     rate_sample: int
     field_sample: int
     attitude_sample: int
@@ -67,6 +70,9 @@ class Outputs:
     attitude_sigma_B: Array
     covariance: Array
     attitude_valid: bool
+    attitude_doubtful: bool
+    ambiguity: float
+    rate_scale_B: Array
     nis: Array
     rejected: Array
     sun_N: Array
@@ -76,7 +82,7 @@ class Outputs:
 @dataclass(frozen=True)
 class State:
     """The estimate before the last step and after it, packed; of that step its length, s, and what doStep alone
-    takes."""
+    takes; the bank of filters after it, packed, empty without one."""
 
     before: Array
     now: Array
@@ -84,16 +90,22 @@ class State:
     counts: Array
     fresh: Array
     actuators: Array
+    banked: Array
 
 
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0, at which what is measured is new; a number of 0 says that nothing has been measured yet."""
-    return _stepped(blank(u.omega_B_measured, p), u, p, 0.0, u.counts != 0)
+    banked = Banked(None, u.omega_B_measured) if p.bank else None
+    return _stepped(blank(u.omega_B_measured, p), banked, u, p, 0.0, u.counts != 0)
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
-    """The step again with the measurements as they stand. Raises ValueError for an input that cannot be."""
+    """The step again with the measurements as they stand; with a bank that of the last step. Raises ValueError for an
+    input that cannot be."""
     _actuators(u)
+    if p.bank:
+        _measured(u, x.fresh)
+        return _given_out(Estimate.unpacked(x.now), p, _banked(x))
     now = advanced(Estimate.unpacked(x.before), _measured(u, x.fresh), _given(x.actuators), p, x.h)
     return _given_out(now, p)
 
@@ -102,14 +114,20 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u are the measurements at t + h."""
     if not h <= STEP_MAX:
         raise ValueError(f"step: expected at most {STEP_MAX:g} s, found {h}")
-    x = _stepped(Estimate.unpacked(x.now), u, p, h, (u.counts < 0) | (u.counts != x.counts))
-    return x, _given_out(Estimate.unpacked(x.now), p)
+    x = _stepped(Estimate.unpacked(x.now), _banked(x), u, p, h, (u.counts < 0) | (u.counts != x.counts))
+    return x, _given_out(Estimate.unpacked(x.now), p, _banked(x))
 
 
-def _stepped(before: Estimate, u: Inputs, p: Parameters, h: float, fresh: Array) -> State:
+def _stepped(before: Estimate, banked: Banked | None, u: Inputs, p: Parameters, h: float, fresh: Array) -> State:
     actuators = _actuators(u)
-    now = advanced(before, _measured(u, fresh), _given(actuators), p, h)
-    return State(before.packed, now.packed, h, u.counts, fresh, actuators)
+    now = advanced(before, _measured(u, fresh), _given(actuators), p, h, banked)
+    return State(
+        before.packed, now.packed, h, u.counts, fresh, actuators, np.empty(0) if banked is None else banked.packed
+    )
+
+
+def _banked(x: State) -> Banked | None:
+    return Banked.unpacked(x.banked) if len(x.banked) else None
 
 
 def _actuators(u: Inputs) -> Array:
@@ -126,7 +144,15 @@ def _given(actuators: Array) -> Given:
 
 def _measured(u: Inputs, fresh: Array) -> Measured:
     """Returns the measurements that are new. Raises ValueError for an input that cannot be."""
-    for name in ("omega_B_measured", "b_B_measured", "r_N_measured", "v_N_measured", "sun_B_measured", "R_NB_measured"):
+    for name in (
+        "omega_B_measured",
+        "b_B_measured",
+        "r_N_measured",
+        "v_N_measured",
+        "sun_B_measured",
+        "sun_sensors",
+        "R_NB_measured",
+    ):
         _require_finite(name, getattr(u, name))
     if (b := norm(u.b_B_measured)) > FIELD_MAX:
         raise ValueError(f"b_B_measured: expected a field in tesla, at most {FIELD_MAX:g}, found {b}")
@@ -144,10 +170,16 @@ def _measured(u: Inputs, fresh: Array) -> Measured:
         orbit=(u.r_N_measured, u.v_N_measured) if orbit and position else None,
         R_NB=u.R_NB_measured if attitude and tracker else None,
         sun_B=u.sun_B_measured / seen if light and seen > 0.0 else None,
+        sun_sensors=_currents(u) if light else None,
     )
 
 
-def _given_out(x: Estimate, p: Parameters) -> Outputs:
+def _currents(u: Inputs) -> Array:
+    return np.where(np.abs(u.sun_sensors) >= ABSENT_MIN, np.nan, u.sun_sensors)
+
+
+def _given_out(x: Estimate, p: Parameters, banked: Banked | None = None) -> Outputs:
+    doubtful = banked is not None and banked.doubtful
     sigma = np.sqrt(np.diag(x.P)[:3]) if x.tracking else np.full(3, math.pi)
     sun_N = onboard.sun_direction(p.days + x.t / 86400.0)
     return Outputs(
@@ -160,7 +192,10 @@ def _given_out(x: Estimate, p: Parameters) -> Outputs:
         field_bias_B=x.field_bias,
         attitude_sigma_B=sigma,
         covariance=x.P[:6, :6],
-        attitude_valid=x.tracking and bool((sigma < p.valid_sigma).all()),
+        attitude_valid=x.tracking and bool((sigma < p.valid_sigma).all()) and not doubtful,
+        attitude_doubtful=doubtful,
+        ambiguity=0.0 if banked is None else banked.ambiguity,
+        rate_scale_B=np.zeros(3) if banked is None else banked.scale,
         nis=x.nis,
         rejected=x.rejected.astype(np.int32),
         sun_N=sun_N,

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from . import onboard
+from .banked import Banked, Seen, by_bank
 from .filter import propagated
 from .measurements import by_field, by_sun, by_tracker, started
 from .parameters import Parameters
@@ -20,21 +21,31 @@ LIGHT_MIN = 0.5
 """Of the Sun that must be seen for its direction to count."""
 
 
-def advanced(x: Estimate, new: Measured, given: Given, p: Parameters, h: float) -> Estimate:
-    """The estimate h s later (0 at the start), with what is measured then."""
+def advanced(
+    x: Estimate, new: Measured, given: Given, p: Parameters, h: float, banked: Banked | None = None
+) -> Estimate:
+    """The estimate h s later (0 at the start), with what is measured then; by a bank of filters, which it changes,
+    where there is one."""
     x = replace(x, t=x.t + h)
     x = _with_orbit(x, new.orbit, p, h)
     if not x.oriented:
         rate = x.rate if new.omega_B is None or p.rate_source == "dynamics" else new.omega_B
+        if banked is not None:
+            banked.rate = rate
         return replace(x, rate=rate, b_B=x.b_B if new.b_B is None else new.b_B)
     field_N = p.field.at(x.t, x.r_N)
     sun_N = onboard.sun_direction(p.days + x.t / 86400.0)
-    x = _by_gyro(x, new.omega_B, p, h) if p.rate_source == "gyro" else _by_dynamics(x, field_N, given, p, h)
+    if banked is None:
+        x = _by_gyro(x, new.omega_B, p, h) if p.rate_source == "gyro" else _by_dynamics(x, field_N, given, p, h)
     rods = p.rod_field @ given.dipole
     usable = bool((np.abs(given.dipole) <= p.dipole_limit).all())
     b_B = new.b_B - rods if usable and new.b_B is not None else None
-    sun_B = new.sun_B if onboard.sunlight(x.r_N, sun_N) > LIGHT_MIN else None
+    sunlight = onboard.sunlight(x.r_N, sun_N)
+    sun_B = new.sun_B if sunlight > LIGHT_MIN else None
     variance = p.field_noise * p.field_noise + p.rod_field_error * p.rod_field_error * float(rods @ rods)
+    if banked is not None:
+        x = by_bank(x, banked, new, Seen(b_B, variance, sun_B, field_N, sun_N, sunlight), p, h)
+        return replace(x, R=orthonormalised(x.R), b_B=_field_now(x, b_B, field_N, h))
     if not x.tracking:
         x = started(x, new, sun_B, b_B, sun_N, field_N, math.sqrt(variance), p)
     if new.R_NB is not None:

@@ -25,6 +25,7 @@ class Parameters:
     angle_random_walk: float
     rate_random_walk: float
     rate_bias_sigma: float
+    rate_scale_sigma: float
     J_B: Array
     rod_axes: Array
     wheel_axis: Array
@@ -36,10 +37,14 @@ class Parameters:
     rod_field_error: float
     dipole_limit: float
     sun_noise: float
+    sun_sensor_axes: Array
+    sun_sensor_noise: float
+    albedo: float
     attitude_noise: float
     attitude_noise_boresight: float
     boresight_B: Array
     gate: float
+    bank: bool
     valid_sigma: float
     orbit_time: float
     j2: bool
@@ -76,10 +81,12 @@ class Parameters:
         return np.array((x, np.cross(z, x), z))
 
 
-_POSITIVE = "field_noise sun_noise attitude_noise attitude_noise_boresight gate gravitational_parameter".split()
+_POSITIVE = (
+    "field_noise sun_noise sun_sensor_noise attitude_noise attitude_noise_boresight gate gravitational_parameter"
+).split()
 _NOT_NEGATIVE = (
-    "angle_random_walk rate_random_walk rate_bias_sigma momentum_random_walk field_bias_sigma field_random_walk "
-    "rod_field_error dipole_limit valid_sigma orbit_time"
+    "angle_random_walk rate_random_walk rate_bias_sigma rate_scale_sigma momentum_random_walk field_bias_sigma "
+    "field_random_walk rod_field_error dipole_limit valid_sigma orbit_time"
 ).split()
 
 
@@ -94,6 +101,8 @@ def check(p: Parameters) -> None:
             raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
     if p.rate_source not in RATE_SOURCES:
         raise ValueError(f"rate_source: expected one of {', '.join(RATE_SOURCES)}, found {p.rate_source!r}")
+    if p.bank and p.rate_source != "gyro":
+        raise ValueError("bank: expected rate_source 'gyro', found 'dynamics'; the bank follows the measured rate")
     if p.field_model not in tables.NAMES:
         raise ValueError(f"field_model: expected one of {', '.join(tables.NAMES)}, found {p.field_model!r}")
     if not 1 <= p.field_degree <= tables.DEGREE:
@@ -102,6 +111,7 @@ def check(p: Parameters) -> None:
         ("rod_axes", p.rod_axes),
         ("wheel_axis", p.wheel_axis[None]),
         ("boresight_B", p.boresight_B[None]),
+        ("sun_sensor_axes", p.sun_sensor_axes[p.sun_sensor_axes.any(axis=1)]),
     ):
         for axis in axes:
             if not abs(norm(axis) - 1.0) <= UNIT_TOLERANCE:

@@ -22,6 +22,8 @@ class Measured(NamedTuple):
     orbit: tuple[Array, Array] | None
     R_NB: Array | None
     sun_B: Array | None
+    sun_sensors: Array | None
+    """(6,); NaN where there is no such sensor"""
 
 
 class Given(NamedTuple):

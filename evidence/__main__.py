@@ -199,6 +199,16 @@ def flight_data(jobs: int, data: Path, cases: int, page: bool) -> None:
         say(line)
 
 
+@main.command("false-convergence")
+@_jobs
+@click.option("--cases", default=200, show_default=True, type=click.IntRange(1, 10000), help="Spins of each kind.")
+def false_convergence(jobs: int, cases: int) -> None:
+    """Fly spins with a wrong gyro scale through the estimator: one filter, and its bank, which reports what it cannot
+    tell apart."""
+    for line in flown_records.of_spins(flown_records.spun(cases, jobs)):
+        say(line)
+
+
 @main.command("flight-case")
 @click.argument("group")
 @click.argument("run", type=int)

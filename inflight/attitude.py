@@ -7,19 +7,26 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .bank import Bank, Faces, Noise, by_field, by_light, propagate, started
+from estimator.bank import (
+    MARGIN,
+    PRUNE_ANGLE,
+    PRUNE_EVERY,
+    PRUNE_MARGIN,
+    STRAIN_MAX,
+    UNIQUE,
+    Bank,
+    Faces,
+    Noise,
+    by_field,
+    by_light,
+    propagate,
+    started,
+)
+
 from .records import Flight
 
 Floats = NDArray[np.float64]
 
-MARGIN = 10.0
-"""Of the log-likelihood: a filter that is less likely by this is excluded, one in 20,000."""
-UNIQUE = np.radians(10.0)
-"""The attitude is unique where no filter within the margin is farther off."""
-_PRUNE_EVERY, _PRUNE_MARGIN, _PRUNE_ANGLE = 20, 80.0, np.radians(3.0)
-STRAIN_MAX = 5.0
-"""Of a gyro's error, in deviations of the prior: beyond it the filters may have followed a motion that is not the
-satellite's."""
 LIGHT = 0.99
 """Part of the Sun above which currents count."""
 
@@ -83,9 +90,8 @@ def attitudes(flight: Flight, field: Floats, field_N: Floats, noise: Noise, face
         best = bank.best
         R[i], ambiguity[i] = bank.R[best], bank.ambiguity(MARGIN)
         rate[i] = (omega[i] - bank.bias[best]) / (1.0 + bank.scale[best])
-        if i % _PRUNE_EVERY == _PRUNE_EVERY - 1:
-            bank.pruned(_PRUNE_MARGIN, _PRUNE_ANGLE)
+        if i % PRUNE_EVERY == PRUNE_EVERY - 1:
+            bank.pruned(PRUNE_MARGIN, PRUNE_ANGLE)
     best = bank.best
     bias, scale = bank.bias[best], bank.scale[best]
-    strain = max(float(np.abs(bias).max()) / noise.bias, float(np.abs(scale).max()) / noise.scale)
-    return Attitudes(R, rate, ambiguity, nis, bias, scale, bank.P[best][3:, 3:], strain)
+    return Attitudes(R, rate, ambiguity, nis, bias, scale, bank.P[best][3:, 3:], bank.strain(noise))

@@ -15,6 +15,7 @@ from typing import Any
 import click
 import numpy as np
 
+from estimator.bank import Noise
 from orchestration import InputError
 from orchestration.cli.console import say, say_table
 from orchestration.cli.help import examples
@@ -23,7 +24,6 @@ from orchestration.quantities import SECOND, QuantityError, value_in
 from plant.time_scales import parse_epoch
 
 from .attitude import attitudes
-from .bank import Noise
 from .gyro import spin
 from .magnetometer import Calibration, calibrate, symmetric
 from .nutation import Motion, forecast, identify, starting

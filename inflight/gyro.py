@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.bank import Noise, exp
+
 from .attitude import Attitudes
-from .bank import Noise, exp
 from .records import Flight
 
 Floats = NDArray[np.float64]

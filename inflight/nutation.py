@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.bank import exp
 from plant.attitude import COMPOSITIONS, Body, lgvi_step
-
-from .bank import exp
 
 Floats = NDArray[np.float64]
 

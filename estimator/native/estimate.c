@@ -130,7 +130,7 @@ static Matrix orthonormalised(Matrix R)
 }
 
 void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given,
-                       double h, Estimate *x)
+                       double h, Estimate *x, Bank *bank)
 {
     x->t += h;
     take_orbit(law, u, fresh->orbit, h, x);
@@ -138,18 +138,25 @@ void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const 
     if (!x->oriented) {
         x->rate = gyro && fresh->rate ? vector(u->omega_B_measured) : x->rate;
         x->b_B = fresh->field ? vector(u->b_B_measured) : x->b_B;
+        if (law->p.bank) {
+            bank->rate = x->rate;
+        }
         return;
     }
     const Directions seen = directions(law, u, fresh, given, x);
-    if (gyro) {
+    if (law->p.bank) {
+        estimator_by_bank(law, u, fresh, &seen, h, x, bank);
+    } else if (gyro) {
         forward_by_gyro(law, u, fresh->rate, h, x);
     } else {
         forward_by_dynamics(law, given, seen.field_N, h, x);
     }
-    if (!x->tracking) {
+    if (!law->p.bank && !x->tracking) {
         estimator_begin(law, &seen, x);
     }
-    estimator_take(law, &seen, x);
+    if (!law->p.bank) {
+        estimator_take(law, &seen, x);
+    }
     x->R = orthonormalised(x->R);
     if (seen.has_field) {
         x->b_B = subtract(seen.b_B, x->field_bias);

@@ -10,11 +10,11 @@ static const double STEP_MAX = 1000.0; /* s */
 
 static bool measurements_fit(const EstimatorInputs *u, Fault *f)
 {
-    const NamedVector inputs[] = {{"omega_B_measured", vector(u->omega_B_measured)},
-                                  {"b_B_measured", vector(u->b_B_measured)},
-                                  {"r_N_measured", vector(u->r_N_measured)},
-                                  {"v_N_measured", vector(u->v_N_measured)},
-                                  {"sun_B_measured", vector(u->sun_B_measured)}};
+    const NamedVector inputs[] = {
+        {"omega_B_measured", vector(u->omega_B_measured)}, {"b_B_measured", vector(u->b_B_measured)},
+        {"r_N_measured", vector(u->r_N_measured)},         {"v_N_measured", vector(u->v_N_measured)},
+        {"sun_B_measured", vector(u->sun_B_measured)},     {"sun_sensors", vector(u->sun_sensors)},
+        {"sun_sensors", vector(u->sun_sensors + 3)}};
     if (!all_finite_vectors(inputs, COUNT(inputs), f)) {
         return false;
     }
@@ -52,7 +52,7 @@ static Given given_by(const EstimatorInputs *u)
                    .has_h_w = momentum};
 }
 
-static void put_out(const EstimatorLaw *law, const Estimate *x, EstimatorOutputs *y)
+static void put_out(const EstimatorLaw *law, const Estimate *x, const Bank *bank, EstimatorOutputs *y)
 {
     const Vector sun_N = estimator_sun_direction(law->days + x->t / 86400.0);
     memset(y, 0, sizeof *y);
@@ -69,6 +69,12 @@ static void put_out(const EstimatorLaw *law, const Estimate *x, EstimatorOutputs
     for (int i = 0; i < 3; ++i) {
         y->attitude_sigma_B[i] = x->tracking ? sqrt(x->P.m[i][i]) : PI;
         y->attitude_valid = y->attitude_valid && y->attitude_sigma_B[i] < law->p.valid_sigma;
+    }
+    if (law->p.bank) {
+        y->attitude_doubtful = estimator_bank_doubtful(bank);
+        y->attitude_valid = y->attitude_valid && !y->attitude_doubtful;
+        y->ambiguity = bank->ambiguity;
+        store(bank->scale, y->rate_scale_B);
     }
     for (int i = 0; i < 6; ++i) {
         memcpy(y->covariance[i], x->P.m[i], sizeof y->covariance[i]);
@@ -90,26 +96,28 @@ static Fresh fresh_of(const int32_t counts[5], const int32_t last[5])
     return (Fresh){fresh[0], fresh[1], fresh[2], fresh[3], fresh[4]};
 }
 
-static bool stepped(const EstimatorLaw *law, const EstimatorInputs *u, double h, EstimatorState *x, Fault *f)
+static void step(const EstimatorLaw *law, const EstimatorInputs *u, double h, EstimatorState *x)
 {
     const int32_t counts[5] = {u->rate_sample, u->field_sample, u->orbit_sample, u->attitude_sample, u->sun_sample};
-    if (!measurements_fit(u, f) || !actuators_fit(u, f)) {
-        return false;
-    }
     x->given = given_by(u);
     x->fresh = fresh_of(counts, x->counts);
     memcpy(x->counts, counts, sizeof counts);
     x->h = h;
     x->now = x->before;
-    estimator_advance(law, u, &x->fresh, &x->given, h, &x->now);
-    return true;
+    estimator_advance(law, u, &x->fresh, &x->given, h, &x->now, &x->bank);
 }
 
 bool estimator_start(const EstimatorLaw *law, const EstimatorInputs *u, EstimatorState *x, Fault *f)
 {
     memset(x, 0, sizeof *x);
     estimator_blank(law, u, &x->before);
-    return stepped(law, u, 0.0, x, f);
+    estimator_bank_clear(&x->bank);
+    x->bank.rate = x->before.rate;
+    if (!measurements_fit(u, f) || !actuators_fit(u, f)) {
+        return false;
+    }
+    step(law, u, 0.0, x);
+    return true;
 }
 
 bool estimator_outputs(const EstimatorLaw *law, const EstimatorState *x, const EstimatorInputs *u, EstimatorOutputs *y,
@@ -119,8 +127,12 @@ bool estimator_outputs(const EstimatorLaw *law, const EstimatorState *x, const E
         return false;
     }
     Estimate now = x->before;
-    estimator_advance(law, u, &x->fresh, &x->given, x->h, &now);
-    put_out(law, &now, y);
+    if (law->p.bank) {
+        now = x->now;
+    } else {
+        estimator_advance(law, u, &x->fresh, &x->given, x->h, &now, NULL);
+    }
+    put_out(law, &now, &x->bank, y);
     return true;
 }
 
@@ -130,12 +142,11 @@ bool estimator_step(const EstimatorLaw *law, EstimatorState *x, const EstimatorI
     if (!(h <= STEP_MAX)) {
         return fault(f, "communicationStepSize", h, "at most 1000 s");
     }
-    EstimatorState next = *x;
-    next.before = x->now;
-    if (!stepped(law, u, h, &next, f)) {
+    if (!measurements_fit(u, f) || !actuators_fit(u, f)) {
         return false;
     }
-    *x = next;
-    put_out(law, &x->now, y);
+    x->before = x->now;
+    step(law, u, h, x);
+    put_out(law, &x->now, &x->bank, y);
     return true;
 }

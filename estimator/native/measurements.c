@@ -9,7 +9,6 @@ static const double START_FACTOR = 10.0, ANCHOR_FACTOR = 2.0;
 static const double START_SINE = 0.17364817766693033;  /* 10 deg: least angle between Sun and field */
 static const double ANCHOR_SINE = 0.34202014332566871; /* 20 deg: between two fields */
 static const double ANCHOR_AGE = 900.0;                /* s; a field that is older is no longer turned on by the gyro */
-enum { IN_A_ROW = 50 }; /* measurements of one sensor above the gate, one after the other, that end the filter */
 
 /* Of the angle between x and y; 0 where one of them is zero. */
 static double sine(Vector x, Vector y)
@@ -93,23 +92,33 @@ static Vector equal(double value)
     return (Vector){value, value, value};
 }
 
-void estimator_take(const EstimatorLaw *law, const Directions *seen, Estimate *x)
+Innovation estimator_innovation(const EstimatorLaw *law, const Directions *seen, int sensor, Matrix R,
+                                Vector field_bias)
 {
     const EstimatorParameters *p = &law->p;
-    if (seen->has_tracker && x->tracking) {
+    if (sensor == GATED_TRACKER) {
         const double across = p->attitude_noise * p->attitude_noise;
         const double about = p->attitude_noise_boresight * p->attitude_noise_boresight;
-        const Vector turn = rotation_log(multiply(transposed(x->R), seen->R_NB));
-        take(law, GATED_TRACKER,
-             &(Innovation){apply(law->tracker_axes, turn), law->tracker_axes, false, {across, across, about}}, x);
+        const Vector turn = rotation_log(multiply(transposed(R), seen->R_NB));
+        return (Innovation){apply(law->tracker_axes, turn), law->tracker_axes, false, {across, across, about}};
     }
-    if (seen->has_sun && x->tracking) {
-        const Vector s = apply_transposed(x->R, seen->sun_N), error = subtract(seen->sun_B, s);
+    if (sensor == GATED_SUN) {
+        const Vector s = apply_transposed(R, seen->sun_N), error = subtract(seen->sun_B, s);
         const Vector y = subtract(error, scale(dot(s, error), s));
-        take(law, GATED_SUN, &(Innovation){y, hat(s), false, equal(p->sun_noise * p->sun_noise)}, x);
+        return (Innovation){y, hat(s), false, equal(p->sun_noise * p->sun_noise)};
     }
-    if (seen->has_field && x->tracking) {
-        const Vector b = apply_transposed(x->R, seen->field_N), y = subtract(subtract(seen->b_B, b), x->field_bias);
-        take(law, GATED_FIELD, &(Innovation){y, hat(b), true, equal(seen->field_variance)}, x);
+    const Vector b = apply_transposed(R, seen->field_N), y = subtract(subtract(seen->b_B, b), field_bias);
+    return (Innovation){y, hat(b), true, equal(seen->field_variance)};
+}
+
+void estimator_take(const EstimatorLaw *law, const Directions *seen, Estimate *x)
+{
+    static const int order[] = {GATED_TRACKER, GATED_SUN, GATED_FIELD};
+    const bool has[] = {seen->has_tracker, seen->has_sun, seen->has_field};
+    for (int i = 0; i < GATED; ++i) {
+        if (has[i] && x->tracking) {
+            const Innovation innovation = estimator_innovation(law, seen, order[i], x->R, x->field_bias);
+            take(law, order[i], &innovation, x);
+        }
     }
 }

@@ -7,6 +7,9 @@ static bool check_choices(const EstimatorParameters *p, Fault *f)
     if (p->rate_source != ESTIMATOR_RATE_SOURCE_GYRO && p->rate_source != ESTIMATOR_RATE_SOURCE_DYNAMICS) {
         return fault(f, "rate_source", p->rate_source, "1 (gyro) or 2 (dynamics)");
     }
+    if (p->bank && p->rate_source != ESTIMATOR_RATE_SOURCE_GYRO) {
+        return fault(f, "bank", 1.0, "rate_source 'gyro'; the bank follows the measured rate");
+    }
     if (p->field_model < ESTIMATOR_FIELD_MODEL_IGRF14 || p->field_model > ESTIMATOR_FIELD_MODEL_WMM2025) {
         return fault(f, "field_model", p->field_model, "1 to 5");
     }
@@ -24,6 +27,12 @@ static bool check_vectors(const EstimatorParameters *p, Fault *f)
     if (!is_finite_matrix(matrix(p->rod_field))) {
         return fault(f, "rod_field", NAN, "finite numbers");
     }
+    for (int i = 0; i < BANK_DIODES; ++i) {
+        const Vector axis = vector(p->sun_sensor_axes[i]);
+        if (norm(axis) != 0.0 && !is_unit_vector(axis, "sun_sensor_axes", f)) {
+            return false;
+        }
+    }
     return is_unit_vector(vector(p->boresight_B), "boresight_B", f) &&
            is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
            has_unit_rows(matrix(p->rod_axes), "rod_axes", f) && is_inertia(matrix(p->J_B), "J_B", f);
@@ -34,6 +43,7 @@ bool estimator_check(const EstimatorParameters *p, Fault *f)
     const Named positive[] = {
         {"field_noise", p->field_noise},
         {"sun_noise", p->sun_noise},
+        {"sun_sensor_noise", p->sun_sensor_noise},
         {"attitude_noise", p->attitude_noise},
         {"attitude_noise_boresight", p->attitude_noise_boresight},
         {"gate", p->gate},
@@ -43,6 +53,7 @@ bool estimator_check(const EstimatorParameters *p, Fault *f)
         {"angle_random_walk", p->angle_random_walk},
         {"rate_random_walk", p->rate_random_walk},
         {"rate_bias_sigma", p->rate_bias_sigma},
+        {"rate_scale_sigma", p->rate_scale_sigma},
         {"momentum_random_walk", p->momentum_random_walk},
         {"field_bias_sigma", p->field_bias_sigma},
         {"field_random_walk", p->field_random_walk},
@@ -54,15 +65,6 @@ bool estimator_check(const EstimatorParameters *p, Fault *f)
     return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
            check_choices(p, f) && check_vectors(p, f) &&
            is_covered_epoch(p->epoch, &gauss_models[p->field_model - 1], f);
-}
-
-/* Rows: two axes across a direction, and that. */
-static Matrix axes_about(Vector z)
-{
-    const double x = fabs(z.x), y = fabs(z.y), least = smaller(smaller(x, y), fabs(z.z));
-    const Vector across = x == least ? identity.a : y == least ? identity.b : identity.c;
-    const Vector first = cross(across, z), unit = scale(1.0 / norm(first), first);
-    return (Matrix){unit, cross(z, unit), z};
 }
 
 void estimator_prepare(const EstimatorParameters *p, EstimatorLaw *law)
@@ -77,5 +79,5 @@ void estimator_prepare(const EstimatorParameters *p, EstimatorLaw *law)
     law->rod_axes = matrix(p->rod_axes);
     law->rod_field = matrix(p->rod_field);
     law->wheel_axis = unit_vector(vector(p->wheel_axis));
-    law->tracker_axes = axes_about(unit_vector(vector(p->boresight_B)));
+    law->tracker_axes = estimator_axes_about(unit_vector(vector(p->boresight_B)));
 }

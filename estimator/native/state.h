@@ -2,13 +2,18 @@
 #ifndef ESTIMATOR_STATE_H
 #define ESTIMATOR_STATE_H
 
+#include "bank.h"
 #include "filter.h"
 #include "fault.h"
 #include "onboard_field.h"
 #include "estimator_ports.h"
 #include "rotation.h"
 
+#include <stddef.h>
+
 enum { GATED_FIELD, GATED_SUN, GATED_TRACKER, GATED };
+
+enum { IN_A_ROW = 50 }; /* measurements of one sensor above the gate, one after the other, that end the filter */
 
 /* The measurements that are new at the end of a step. */
 typedef struct {
@@ -52,7 +57,11 @@ typedef struct {
     int32_t counts[5];
     Fresh fresh;
     Given given;
+    Bank bank; /* at the end: without `bank` it takes no time to copy a state */
 } EstimatorState;
+
+/* The bytes of a state that are in use. */
+#define ESTIMATOR_STATE_USED(x) (offsetof(EstimatorState, bank.of) + (size_t)(x)->bank.count * sizeof(BankFilter))
 
 typedef struct {
     EstimatorParameters p;
@@ -78,11 +87,21 @@ void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *
 /* Takes star tracker, Sun and field, each unless it is beyond the gate. */
 void estimator_take(const EstimatorLaw *law, const Directions *seen, Estimate *x);
 
+/* What is measured against what is predicted for an attitude and a bias of the field. */
+Innovation estimator_innovation(const EstimatorLaw *law, const Directions *seen, int sensor, Matrix R,
+                                Vector field_bias);
+
+/* The estimate of the bank's best filter, h s later. Its attitude is given from the instant on at which no other one
+ * fits alike. */
+void estimator_by_bank(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Directions *seen,
+                       double h, Estimate *x, Bank *bank);
+
 /* Before the first measurement, with the rate that the gyro's port holds. */
 void estimator_blank(const EstimatorLaw *law, const EstimatorInputs *u, Estimate *x);
 
-/* The estimate h s later (0 at the start), with what is new then. */
+/* The estimate h s later (0 at the start), with what is new then; by the bank where the parameter `bank` is true, else
+ * `bank` may be NULL. */
 void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given,
-                       double h, Estimate *x);
+                       double h, Estimate *x, Bank *bank);
 
 #endif

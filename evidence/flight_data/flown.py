@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from estimator.bank import Noise
 from inflight.attitude import Attitudes
-from inflight.bank import Noise
 from inflight.magnetometer import Calibration
 from inflight.records import Flight
 from orchestration import run

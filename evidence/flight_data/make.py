@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from estimator.bank import Noise
 from inflight.attitude import Attitudes
-from inflight.bank import Noise
 from inflight.magnetometer import calibrate, symmetric
 from inflight.orbit import borders
 from inflight.records import Flight
@@ -24,7 +24,7 @@ from ..crew import crew
 from ..markdown import render
 from ..paper import ROOT
 from ..plots import BLUE, GREEN, RED, name_axes, panels, save
-from . import synthetic
+from . import spins
 from .flown import through_the_estimator
 from .records import records
 from .study import FALSE, FIT, LONG, Free, Shown, free_motion, long_record, pair, sky
@@ -45,8 +45,8 @@ class Study:
     """Each half of each record, calibrated by itself"""
     third: Free | None
     """By every third of the short records"""
-    by_field: list[synthetic.Case]
-    with_light: list[synthetic.Case]
+    spins: dict[str, list[spins.Case]]
+    """By what flew them"""
 
 
 def study(folder: Path, cases: int, jobs: int, split: bool) -> Study:
@@ -64,15 +64,32 @@ def study(folder: Path, cases: int, jobs: int, split: bool) -> Study:
         through_the_estimator(folder / f"{s.flight.name}.csv", s.flight, symmetric(s.calibration), s.attitude, Noise())
         for s in shown
     ]
-    by_field: list[synthetic.Case] = []
-    with_light: list[synthetic.Case] = []
-    if cases:
-        with crew(jobs) as hands:
-            by_field = hands.each("by the field", synthetic.by_field, range(cases))
-            with_light = hands.each("with currents", synthetic.with_light, range(cases))
     parts = halves(flown, full) if split else []
     third = free_motion(short[1::3]) if split else None
-    return Study(shown, through, full, free_motion(short), parts, third, by_field, with_light)
+    return Study(shown, through, full, free_motion(short), parts, third, spun(cases, jobs) if cases else {})
+
+
+def spun(cases: int, jobs: int) -> dict[str, list[spins.Case]]:
+    """The synthetic spins, by what flew them."""
+    done: dict[str, list[spins.Case]] = {}
+    with crew(jobs) as hands:
+        for faces, name in zip((0, 3, 6), spins.KINDS, strict=True):
+            both = hands.each(name, spins.case, [(number, faces) for number in range(cases)])
+            if not faces:
+                done["one filter, field and gyro"] = [one for one, _ in both]
+            done[f"bank, {name}"] = [bank for _, bank in both]
+    return done
+
+
+def of_spins(done: dict[str, list[spins.Case]]) -> list[str]:
+    """What became of them, a line each."""
+    out = []
+    for name, cases in done.items():
+        counts = ", ".join(f"{n} {what}" for what, n in spins.counted(cases).items())
+        out.append(f"{len(cases)} spins of {spins.SECONDS:.0f} s, {name}: {counts}")
+        if (worst := spins.worst_quiet(cases)) is not None:
+            out.append(f"{name}: {np.degrees(worst.off):.0f} deg off, valid, with a mean nis of {worst.nis:.2f} (3)")
+    return out
 
 
 def halves(flown: Sequence[Flight], full: float) -> list[Shown]:
@@ -89,7 +106,7 @@ def halves(flown: Sequence[Flight], full: float) -> list[Shown]:
 def lines(done: Study) -> list[str]:
     """The figures in text, a line each."""
     of_records = [line for shown in done.shown for line in _of_record(shown)]
-    return of_records + _of_flown(done) + _of_motion(done) + _of_cases(done)
+    return of_records + _of_flown(done) + _of_motion(done) + of_spins(done.spins)
 
 
 def _of_record(s: Shown) -> list[str]:
@@ -151,15 +168,6 @@ def _of_motion(done: Study) -> list[str]:
     ]
 
 
-def _of_cases(done: Study) -> list[str]:
-    found = []
-    for cases, what in ((done.by_field, "field and gyro"), (done.with_light, "with currents")):
-        if cases:
-            counts = ", ".join(f"{n} {name}" for name, n in synthetic.counted(cases).items())
-            found.append(f"{len(cases)} spins of {synthetic.SECONDS} s, {what}: {counts}")
-    return found
-
-
 def figure(done: Study) -> Any:
     """Gain, errors on the sky, ambiguity, and a forecast."""
     drawing, axes = panels(2, 2, 5.2, 3.4)
@@ -213,9 +221,8 @@ def fields(done: Study) -> dict[str, Any]:
     free = done.free
     motion = [] if free is None else [_motion(row) for row in free.rows]
     counts = [
-        [what, *(str(n) for n in synthetic.counted(cases).values()), f"{synthetic.largest_trusted(cases):.1f}"]
-        for cases, what in ((done.by_field, "field and gyro"), (done.with_light, "with currents of three faces"))
-        if cases
+        [what, *(str(n) for n in spins.counted(cases).values()), f"{spins.largest_trusted(cases):.1f}"]
+        for what, cases in done.spins.items()
     ]
     return {
         "records": records_,

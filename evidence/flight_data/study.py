@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from estimator.bank import Noise, exp
 from inflight.attitude import LIGHT, Attitudes, attitudes
-from inflight.bank import Noise, exp
 from inflight.magnetometer import Calibration, calibrate, symmetric
 from inflight.nutation import Inertia, Motion, forecast, identify, starting
 from inflight.orbit import borders

@@ -1,16 +1,13 @@
 """Flights with known answers: a spin on an orbit, a magnetometer and a gyro with known errors."""
 
-from collections.abc import Sequence
 from datetime import UTC, datetime
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from sgp4.api import Satrec
 
-from inflight.attitude import attitudes
-from inflight.bank import Faces, Noise
+from estimator.bank import Faces
 from inflight.orbit import orbit_at
 from inflight.records import Flight
 
@@ -59,50 +56,3 @@ def spinning(
 def angle(R: Floats, found: Floats) -> Floats:
     """(n,) rad between attitudes."""
     return np.asarray(Rotation.from_matrix(R.transpose(0, 2, 1) @ found).magnitude())
-
-
-CASES, SECONDS, WRONG = 200, 300, np.radians(10.0)
-
-
-class Case(NamedTuple):
-    """What became of a synthetic spin: how far off its attitude was at the end, and what was said of it."""
-
-    off: float
-    """rad"""
-    trusted: bool
-
-
-def case(number: int, light: bool) -> Case:
-    """A spin of 300 s with a gyro whose scale is off by 1% (one deviation) and a bias of 1 deg/s in each axis."""
-    rng = np.random.default_rng(10_000 + number)
-    drawn = rng.normal(size=3)
-    bias = (0.0175 * drawn[0], 0.0175 * drawn[1], 0.0175 * drawn[2])
-    start = float(rng.uniform(0.0, 5400.0))
-    flight, R, B, _ = spinning(number, SECONDS, 0.01 * float(rng.normal()), bias, start)
-    found = attitudes(flight, flight.m, B, Noise(field=5e-7), FACES if light else None)
-    return Case(float(angle(R, found.R)[-1]), found.trusted)
-
-
-def by_field(number: int) -> Case:
-    """`case` without currents."""
-    return case(number, light=False)
-
-
-def with_light(number: int) -> Case:
-    """`case` with them."""
-    return case(number, light=True)
-
-
-def counted(cases: Sequence[Case]) -> dict[str, int]:
-    """How many were right and trusted, right but not yet trusted, wrong and reported, wrong and trusted."""
-    return {
-        "right, trusted": int(sum(c.trusted and c.off <= WRONG for c in cases)),
-        "right, reported as ambiguous": int(sum(not c.trusted and c.off <= WRONG for c in cases)),
-        "wrong, reported": int(sum(not c.trusted and c.off > WRONG for c in cases)),
-        "wrong, not reported": int(sum(c.trusted and c.off > WRONG for c in cases)),
-    }
-
-
-def largest_trusted(cases: Sequence[Case]) -> float:
-    """deg, the worst attitude that was trusted."""
-    return float(np.degrees(max((c.off for c in cases if c.trusted), default=0.0)))

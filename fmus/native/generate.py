@@ -100,10 +100,17 @@ def _member(interface: Interface, variable: Variable) -> str:
 
 
 def block_header(interface: Interface, guid: str) -> str:
-    """block.h: the block's structures and functions by the names that the shell uses."""
+    """block.h: the block's structures and functions by the names that the shell uses.
+
+    A block whose state has room at its end that is rarely in use says by NAME_STATE_USED how much is.
+    """
     name, title = interface.code, camel_case(interface.code)
     types = "\n".join(f"typedef {title}{t} {t};" for t in ("Parameters", "Inputs", "Outputs", "State", "Law"))
     calls = "\n".join(f"#define block_{f} {name}_{f}" for f in ("check", "prepare", "start", "outputs", "step"))
+    used = f"{name.upper()}_STATE_USED"
+    calls += (
+        f"\n#ifdef {used}\n#define block_state_used {used}\n#else\n#define block_state_used(x) sizeof(State)\n#endif"
+    )
     return f'#include "{name}.h"\n\n{identity(interface, guid)}\n\n{types}\n\n{calls}\n'
 
 

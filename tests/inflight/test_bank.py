@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from estimator.bank import Noise, exp, right_jacobian
 from evidence.flight_data.synthetic import FACES, angle, spinning
 from inflight.attitude import attitudes
-from inflight.bank import Noise, exp, right_jacobian
 from inflight.gyro import spin
 
 NOISE = Noise(field=5e-7)

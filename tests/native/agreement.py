@@ -19,6 +19,7 @@ def assert_same(native: dict[str, Any], reference: Any, block: str, relative: fl
 
 
 _FLOOR = {
+    "ambiguity": 1e-12,  # of filters that have met
     "attitude_error": 1e-15,  # rounding of Q, where the angle is next to 0
     "lyapunov": 1e-15,  # 1 - Q_ii
     "tau_cmd_B": 1e-16,

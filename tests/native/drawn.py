@@ -299,13 +299,17 @@ def estimator_case(rng: np.random.Generator) -> tuple[Any, Any]:
         r_N_measured=unit(rng) * 7e6 * rng.integers(2),
         v_N_measured=rng.normal(scale=5e3, size=3),
         sun_B_measured=R.T @ [-0.76, 0.6, 0.26] * rng.integers(2),
+        sun_sensors=np.where(rng.integers(2, size=6), rng.uniform(size=6), 1e9),
         **{name: connected[name] if rng.integers(2) else absent[name] for name in absent},
         **counts,
     )
     boresight = unit(rng)
+    source = str(rng.choice(["gyro", "dynamics"]))
     p = parameters(
         "estimator",
-        rate_source=str(rng.choice(["gyro", "dynamics"])),
+        rate_source=source,
+        bank=source == "gyro" and bool(rng.integers(2)),
+        sun_sensor_axes=np.vstack((rotation(rng), rotation(rng) * rng.integers(2))),
         rate_bias_sigma=rng.uniform(1e-4, 1e-2),
         J_B=inertia(rng),
         rod_axes=rotation(rng),

@@ -57,7 +57,7 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boole
     }
     Fault f = {"inputs", "", NULL, 0.0};
     State *x = other_state(c);
-    memcpy(x, state_of(c), sizeof *x);
+    memcpy(x, state_of(c), block_state_used(state_of(c)));
     const bool stepped = block_step(&c->law, x, &memory->ports.u, period > 0.0 ? period : h, &memory->ports.y, &f);
     if (!stepped || !outputs_finite(c, "fmi2DoStep", &memory->ports.y)) {
         memory->fresh = memory->held = false;

@@ -9,7 +9,7 @@ import pytest
 
 from evidence.flight_data.records import records
 from evidence.flight_data.study import edges, pair, sky
-from evidence.flight_data.synthetic import FACES, Case, counted, spinning
+from evidence.flight_data.synthetic import FACES, spinning
 from inflight.attitude import Attitudes
 from orchestration.errors import InputError
 from tests.inflight.test_orbit import TLE
@@ -45,11 +45,6 @@ def test_the_border_of_the_shadow_is_found_where_it_was_put(flown):
     assert edge.entry
     assert abs(edge.late) < 0.5
     assert edge.late_air > 4.0  # air that the record does not have
-
-
-def test_cases_are_counted_by_what_was_said_of_them():
-    cases = [Case(0.01, True), Case(1.0, False), Case(1.0, True), Case(0.1, False)]
-    assert list(counted(cases).values()) == [1, 1, 1, 1]
 
 
 def test_a_folder_of_records_is_read_whatever_their_names(tmp_path):

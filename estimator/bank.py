@@ -6,15 +6,20 @@ the bank starts from all turns about the field, each filter has a score (its log
 ambiguous as long as one that is far from the best is nearly as likely.
 
 The error state of each filter is (turn in B, gyro bias, gyro scale); multiplicative, as that of the estimator
-(Lefferts, Markley and Shuster, 1982). All arrays begin with the filter's number. Tests: tests/inflight/test_bank.py.
+(Lefferts, Markley and Shuster, 1982). All arrays begin with the filter's number. Tests: tests/inflight/test_bank.py,
+tests/estimator/test_banked.py.
+
+Longer than 250 lines: the bank, each of its measurements, and the vectorised rotations that they need.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .so3 import log
 
 Floats = NDArray[np.float64]
 
@@ -63,30 +68,50 @@ class Bank:
     scale: Floats
     P: Floats
     score: Floats
-    count: int = 0
-    """Measurements that the scores hold."""
-    rejected: Floats = field(default_factory=lambda: np.zeros(0))
-    rate: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def best(self) -> int:
-        """The number of the most likely filter."""
-        return int(np.argmax(self.score))
+        """The number of the most likely filter; of those alike the first, so that both flavours take the same."""
+        return int(np.argmax(self.score >= self.score.max() - ALIKE))
+
+    @property
+    def packed(self) -> Floats:
+        """(k,97), a row for each filter."""
+        k = len(self.score)
+        return np.hstack((self.R.reshape(k, 9), self.bias, self.scale, self.P.reshape(k, 81), self.score[:, None]))
+
+    @classmethod
+    def unpacked(cls, rows: Floats) -> Bank:
+        """The bank of which `packed` made the rows; its arrays are its own."""
+        R, bias, scale, P, score = (part.copy() for part in np.split(rows, [9, 12, 15, 96], axis=1))
+        return cls(R.reshape(-1, 3, 3), bias, scale, P.reshape(-1, 9, 9), score[:, 0])
+
+    def strain(self, noise: Noise) -> float:
+        """Returns the largest bias or scale of the best filter, in deviations of what was known before."""
+        parts = ((self.bias[self.best], noise.bias), (self.scale[self.best], noise.scale))
+        return max((float(np.abs(x).max()) / sigma for x, sigma in parts if sigma > 0.0), default=0.0)
 
     def angles(self) -> Floats:
         """(k,) rad from the best one's attitude."""
-        trace = np.einsum("ij,kij->k", self.R[self.best], self.R)
-        return np.asarray(np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0)))
+        between = self.R[self.best].T @ self.R
+        twice = [between[:, j, i] - between[:, i, j] for i, j in ((1, 2), (2, 0), (0, 1))]
+        sine, cosine = 0.5 * np.linalg.norm(twice, axis=0), 0.5 * (np.trace(between, axis1=1, axis2=2) - 1.0)
+        return np.asarray(np.arctan2(sine, cosine))
 
     def pruned(self, margin: float, angle: float) -> None:
         """Takes out filters whose score is `margin` below the best, and of those within `angle`, rad, all but the
         better."""
         keep: list[int] = []
-        for k in np.argsort(-self.score):
+        order = np.arange(len(self.score))
+        for i in range(len(order)):
+            left = self.score[order[i:]]
+            following = i + int(np.argmax(left >= left.max() - ALIKE))
+            order[[i, following]] = order[[following, i]]
+            k = int(order[i])
             far = [float(np.trace(self.R[j].T @ self.R[k])) < 1.0 + 2.0 * np.cos(angle) for j in keep]
-            if self.score[k] > self.score[self.best] - margin and all(far):
-                keep.append(int(k))
-        for name in ("R", "bias", "scale", "P", "score", "rejected"):
+            if not keep or (self.score[k] > self.score[keep[0]] - margin and all(far)):
+                keep.append(k)
+        for name in ("R", "bias", "scale", "P", "score"):
             setattr(self, name, getattr(self, name)[keep])
 
     def ambiguity(self, margin: float) -> float:
@@ -94,7 +119,22 @@ class Bank:
         return float(self.angles()[self.score > self.score[self.best] - margin].max())
 
 
-def started(b_B: Floats, B_N: Floats, noise: Noise, turns: int = 12, scales: int = 7) -> Bank:
+TURNS, SCALES = 8, 5
+"""Of the filters at the start; with more of them, 12 times 7, synthetic spins end alike."""
+ALIKE = 1e-6
+"""Scores that are nearer than this are alike."""
+PRUNE_EVERY, PRUNE_MARGIN, PRUNE_ANGLE = 20, 80.0, np.radians(3.0)
+"""Measurements of the field; of the log-likelihood; rad between attitudes that count as one."""
+MARGIN = 10.0
+"""Of the log-likelihood: a filter that is less likely by this is excluded, one in 20,000."""
+UNIQUE = np.radians(10.0)
+"""The attitude is unique where no filter within the margin is farther off."""
+STRAIN_MAX = 5.0
+"""Of a gyro's error, in deviations of the prior: beyond it the filters may have followed a motion that is not the
+satellite's."""
+
+
+def started(b_B: Floats, B_N: Floats, noise: Noise, turns: int = TURNS, scales: int = SCALES) -> Bank:
     """A bank of turns about the field (3,), evenly spread, each with gyro scales spread over twice the prior's
     deviation.
 
@@ -102,7 +142,7 @@ def started(b_B: Floats, B_N: Floats, noise: Noise, turns: int = 12, scales: int
     """
     first_B, first_N = _frame(b_B / np.linalg.norm(b_B)), _frame(B_N / np.linalg.norm(B_N))
     angle = np.repeat(2.0 * np.pi * np.arange(turns) / turns, scales)
-    off = np.tile(noise.scale * np.linspace(-2.0, 2.0, scales) if scales > 1 else np.zeros(1), turns)
+    off = np.tile(np.linspace(-2.0, 2.0, scales) if scales > 1 else np.zeros(1), turns)
     about = exp(np.outer(angle, np.array([0.0, 0.0, 1.0])))
     R = first_N @ about @ first_B.T
     along = first_B[:, 2:] @ first_B[:, 2:].T
@@ -110,19 +150,19 @@ def started(b_B: Floats, B_N: Floats, noise: Noise, turns: int = 12, scales: int
     P[:, :3, :3] = (np.pi / turns) ** 2 * along + 0.1**2 * (np.eye(3) - along)
     P[:, [3, 4, 5], [3, 4, 5]] = noise.bias**2
     P[:, [6, 7, 8], [6, 7, 8]] = noise.scale**2
-    score = -0.5 * (off / noise.scale) ** 2
-    return Bank(R, np.zeros((len(angle), 3)), np.repeat(off[:, None], 3, 1), P, score, rejected=np.zeros(len(angle)))
+    scale = np.repeat(noise.scale * off[:, None], 3, 1)
+    return Bank(R, np.zeros((len(angle), 3)), scale, P, -0.5 * off**2)
 
 
-def propagate(x: Bank, before: Floats, now: Floats, h: float, noise: Noise) -> None:
-    """Over h s, between measured rates (3,) or (k,3), rad/s, at its ends."""
+def propagate(x: Bank, before: Floats, now: Floats, h: float, noise: Noise, since: float | None = None) -> None:
+    """Over h s, by the measured rates (3,), rad/s, of the last measurement and of this one, `since` s apart; h by
+    default, 0 where there is no new one."""
     rate = (before - x.bias) / (1.0 + x.scale)
     after = (now - x.bias) / (1.0 + x.scale)
-    turn = 0.5 * h * (rate + after) + h * h / 12.0 * np.cross(rate, after)
+    turn = h * rate + 0.5 * (h if since is None else since) * (after - rate) + h * h / 12.0 * np.cross(rate, after)
     middle = 0.5 * (rate + after)
     step = exp(turn)
     x.R = x.R @ step
-    x.rate = after
     Jr = right_jacobian(turn)
     F = np.zeros_like(x.P)
     F[:, range(9), range(9)] = 1.0
@@ -134,19 +174,34 @@ def propagate(x: Bank, before: Floats, now: Floats, h: float, noise: Noise) -> N
     x.P[:, [3, 4, 5], [3, 4, 5]] += noise.bias_walk**2 * h
 
 
-def by_field(x: Bank, b_B: Floats, B_N: Floats, noise: Noise) -> None:
-    """With the measured field (3,) or (k,3), T, and that of the model, in N."""
-    b = np.einsum("kji,...j->ki", x.R, B_N) if B_N.ndim == 1 else np.einsum("kji,kj->ki", x.R, B_N)
-    _corrected(x, b_B - b, _hat(b), np.full(3, noise.field**2), noise.gate)
+def by_field(x: Bank, b_B: Floats, B_N: Floats, noise: Noise) -> Floats:
+    """With the measured field (3,), T, and that of the model, in N. Returns the nis (k,), as all of these do."""
+    b = np.einsum("kji,j->ki", x.R, B_N)
+    return _corrected(x, b_B - b, _hat(b), np.full(3, noise.field**2), noise.gate)
+
+
+def by_sun(x: Bank, sun_B: Floats, sun_N: Floats, sigma: float, noise: Noise) -> Floats:
+    """With the measured direction to the Sun (3,), of unit length; sigma in rad."""
+    s = np.einsum("kji,j->ki", x.R, sun_N)
+    error = sun_B - s
+    y = error - np.einsum("ki,ki->k", s, error)[:, None] * s
+    return _corrected(x, y, _hat(s), np.full(3, sigma**2), noise.gate)
+
+
+def by_tracker(x: Bank, R_NB: Floats, axes: Floats, variance: Floats, noise: Noise) -> Floats:
+    """With a measured attitude (3,3), whose errors about the axes (3,3), by rows, have the variances (3,), rad2."""
+    y = np.array([axes @ log(R.T @ R_NB) for R in x.R])
+    return _corrected(x, y, np.repeat(axes[None], len(y), 0), variance, noise.gate)
 
 
 def by_light(x: Bank, currents: Floats, faces: Faces, sun_N: Floats, r_N: Floats, noise: Noise) -> None:
     """With currents (m,) in sunlight: each is full (max(0, n.s) + Earth's light), a scalar at a time."""
-    s = np.einsum("kji,j->ki", x.R, sun_N)
     size = float(np.linalg.norm(r_N))
-    nadir = np.einsum("kji,j->ki", x.R, -r_N / size)
     lit = faces.albedo * (EARTH_RADIUS / size) ** 2 * max(0.0, float(r_N @ sun_N) / size)
     for n, full, current in zip(faces.normals, faces.full, currents, strict=True):
+        if not n.any() or not np.isfinite(current):
+            continue
+        s, nadir = np.einsum("kji,j->ki", x.R, sun_N), np.einsum("kji,j->ki", x.R, -r_N / size)
         cosine, down = s @ n, nadir @ n
         seen = cosine > 0.0
         expected = np.where(seen, cosine, 0.0) + lit * (0.5 * (1.0 + down)) ** 2
@@ -154,23 +209,25 @@ def by_light(x: Bank, currents: Floats, faces: Faces, sun_N: Floats, r_N: Floats
         _corrected(x, (current / full - expected)[:, None], slope[:, None, :], np.array([noise.light**2]), noise.gate)
 
 
-def _corrected(x: Bank, y: Floats, H: Floats, variance: Floats, gate: float) -> None:
-    """With an innovation (k,m) of slope (k,m,3) by the turn; beyond the gate it only counts in the score."""
+def _corrected(x: Bank, y: Floats, H: Floats, variance: Floats, gate: float) -> Floats:
+    """With an innovation (k,m) of slope (k,m,3) by the turn; beyond the gate it only counts in the score. Returns the
+    normalised innovation squared (k,)."""
     PH = x.P[:, :, :3] @ H.transpose(0, 2, 1)
     S = H @ PH[:, :3] + np.diag(variance)
     inverse = np.linalg.inv(S)
     nis = np.einsum("ki,kij,kj->k", y, inverse, y)
     use = nis <= gate
     x.score -= 0.5 * (np.minimum(nis, gate) + np.log(np.linalg.det(S / variance[0])))
-    x.count += 1
-    x.rejected = x.rejected + ~use
     K = PH @ inverse * use[:, None, None]
     change = np.einsum("kij,kj->ki", K, y)
-    x.P -= K @ PH.transpose(0, 2, 1)
+    left = np.tile(np.eye(9), (len(y), 1, 1))
+    left[:, :, :3] -= K @ H
+    x.P = left @ x.P @ left.transpose(0, 2, 1) + (K * variance) @ K.transpose(0, 2, 1)  # Joseph's form
     x.P = 0.5 * (x.P + x.P.transpose(0, 2, 1))
     x.R = x.R @ exp(change[:, :3])
     x.bias = x.bias + change[:, 3:6]
     x.scale = x.scale + change[:, 6:]
+    return np.asarray(nis)
 
 
 def exp(v: Floats) -> Floats:
