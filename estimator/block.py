@@ -40,7 +40,6 @@ class Inputs:
     v_N_measured: Array
     R_NB_measured: Array
     sun_B_measured: Array
-    sun_sensors: Array
     rate_sample: int
     field_sample: int
     attitude_sample: int
@@ -49,6 +48,7 @@ class Inputs:
     dipole: Array
     h_w: float
     wheel_torque: float
+    sun_sensors: Array
 
     @property
     def counts(self) -> Array:

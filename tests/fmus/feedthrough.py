@@ -139,7 +139,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         sizes |= {f"{name}_measured": sizes[name] for name in ("omega_B", "b_B", "r_N", "v_N", "R_NB")}
         sizes |= {f"{name}_sample": -1 for name in ("rate", "field", "attitude", "orbit", "sun")}
         sizes |= {"sun_B_measured": rng.normal(size=3), "dipole": 3.0 * rng.normal(size=3)}
-        sizes |= {"wheel_torque": 1e-4 * rng.normal()}
+        sizes |= {"wheel_torque": 1e-4 * rng.normal(), "sun_sensors": np.full(6, 0.5)}
     for variable in interface.of("input"):
         if len(variable.shape) == 1 and np.ndim(sizes.get(variable.name, [])) == 0:  # a set of wheels: each its own
             sizes[variable.name] = sizes[variable.name] * rng.uniform(-1.5, 1.5, size=variable.shape)
