@@ -96,7 +96,8 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
         """External moment (3,) N m in body axes."""
         around = p.environment.at(R, t)
         tau_mag_B = magnetic_moment(dipole_B, around.b_B)
-        return tau_mag_B + p.disturbance_torque_B + around.tau_gg_B + around.tau_drag_B
+        tau = tau_mag_B + p.disturbance_torque_B + around.tau_gg_B + around.tau_drag_B
+        return tau if around.tau_solar_B is None else tau + around.tau_solar_B
 
     ratio = h / p.step_max * (1.0 - 1e-12)
     if not ratio <= INTERNAL_STEPS_MAX:

@@ -31,11 +31,11 @@ AT_LEAST = (
     ("gravitational_parameter", 1e14, "m3/s2"),
     ("step_max", 1e-6, "s"),
 )
-DRAG_RANGES = (
+BODY_RANGES = (("body_width", 1e-3, 100.0, " m"), ("body_length", 1e-3, 100.0, " m"))
+LIGHT_RANGES = (("solar_specular", 0.0, 1.0, ""), ("solar_diffuse", 0.0, 1.0, ""))
+AIR_RANGES = (
     ("drag_factor", 0.0, 1e6, ""),
     ("drag_coefficient", 0.0, 10.0, ""),
-    ("body_width", 1e-3, 100.0, " m"),
-    ("body_length", 1e-3, 100.0, " m"),
     ("f107", 60.0, 400.0, " (1e-22 W/(m2 Hz))"),
     ("f107_average", 60.0, 300.0, " (1e-22 W/(m2 Hz))"),
     ("ap", 0.0, 400.0, ""),
@@ -50,8 +50,16 @@ _CHOICES = {
 def check(p: Parameters) -> None:
     """Raises ValueError with name, value and what is expected, where the parameters describe no satellite."""
     if p.drag:
-        _check_drag(p)
-    unused = () if p.drag else ("center_of_mass_B", *(name for name, *_ in DRAG_RANGES))
+        _check_ranges(p, AIR_RANGES)
+    if p.drag or p.solar_pressure:
+        _check_body(p)
+    if p.solar_pressure:
+        _check_ranges(p, LIGHT_RANGES)
+        if p.solar_specular + p.solar_diffuse > 1.0:
+            found = p.solar_specular + p.solar_diffuse
+            raise ValueError(f"solar_specular + solar_diffuse: expected at most 1, found {found:g}")
+    body = () if p.drag or p.solar_pressure else ("center_of_mass_B", *(name for name, *_ in BODY_RANGES))
+    unused = (*body, *(() if p.drag else (name for name, *_ in AIR_RANGES)))
     for field in fields(p):
         value = getattr(p, field.name)
         if field.name not in unused and isinstance(value, float | np.ndarray) and not np.isfinite(value).all():
@@ -130,11 +138,15 @@ def _check_wheels(p: Parameters) -> None:
             raise ValueError(f"wheel_gain{of}: expected -{WHEEL_GAIN_MAX:g} to {WHEEL_GAIN_MAX:g}, found {wheel.gain}")
 
 
-def _check_drag(p: Parameters) -> None:
-    for name, low, high, unit in DRAG_RANGES:
+def _check_ranges(p: Parameters, ranges: tuple[tuple[str, float, float, str], ...]) -> None:
+    for name, low, high, unit in ranges:
         value = getattr(p, name)
         if not low <= value <= high:
             raise ValueError(f"{name}: expected {low:g} to {high:g}{unit}, found {value}")
+
+
+def _check_body(p: Parameters) -> None:
+    _check_ranges(p, BODY_RANGES)
     if p.body_axis not in AXES:
         raise ValueError(f"body_axis: expected one of {', '.join(AXES)}, found {p.body_axis!r}")
     size = np.array([p.body_length if axis == p.body_axis else p.body_width for axis in AXES])

@@ -13,6 +13,7 @@ from .attitude import Body
 from .drag import Drag, octagonal_cylinder
 from .rods import Turns
 from .so3 import Array, from_quaternion, project
+from .solar_pressure import SolarPressure
 from .sun import Sun
 from .surroundings import Environment
 from .wheel import Wheel
@@ -61,6 +62,9 @@ class Parameters:
     body_length: float
     body_axis: str
     center_of_mass_B: Array
+    solar_pressure: bool
+    solar_specular: float
+    solar_diffuse: float
     f107: float
     f107_average: float
     ap: float
@@ -175,6 +179,11 @@ class Parameters:
         return Drag(plates, self.center_of_mass_B, self.drag_factor * self.drag_coefficient)
 
     @cached_property
+    def light(self) -> SolarPressure:
+        plates = octagonal_cylinder(self.body_width, self.body_length, self.body_axis)
+        return SolarPressure(plates, self.center_of_mass_B, self.solar_specular, self.solar_diffuse)
+
+    @cached_property
     def environment(self) -> Environment:
         return Environment(
             self.body.J,
@@ -184,6 +193,8 @@ class Parameters:
             self.gravity_gradient,
             self.air if self.drag else None,
             self.surface,
+            self.sun,
+            self.light if self.solar_pressure else None,
         )
 
     @cached_property

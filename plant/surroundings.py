@@ -9,12 +9,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import gravity_gradient
+from . import gravity_gradient, sun
 from .atmosphere import AirAlongOrbit
 from .drag import Drag
 from .geomagnetic import FieldAlongOrbit
 from .orbit import Orbit
 from .so3 import Array
+from .solar_pressure import SolarPressure, at_distance
+from .sun import Sun
 
 
 class Surroundings(NamedTuple):
@@ -34,6 +36,8 @@ class Surroundings(NamedTuple):
     """N m"""
     density: float
     """kg/m3; 0 without drag"""
+    tau_solar_B: Array | None
+    """N m; None without solar pressure."""
 
 
 @dataclass
@@ -49,6 +53,9 @@ class Environment:
     air: AirAlongOrbit | None
     """None without drag."""
     surface: Drag
+    sun: Sun
+    light: SolarPressure | None
+    """None without solar pressure."""
     _last: tuple[Array, float, Surroundings] | None = None
 
     def at(self, R: Array, t: float) -> Surroundings:
@@ -70,4 +77,11 @@ class Environment:
         if self.air is not None:
             flow_N, density = self.air.flow(t)
             tau_drag_B = self.surface.moment(R_T.dot(flow_N), density)
-        return Surroundings(r_N, v_N, r_hat_B, rate_squared, R_T.dot(self.field.at(t)), tau_gg_B, tau_drag_B, density)
+        b_B = R_T.dot(self.field.at(t))
+        tau_solar_B = None if self.light is None else self._solar(self.light, R_T, r_N, t)
+        return Surroundings(r_N, v_N, r_hat_B, rate_squared, b_B, tau_gg_B, tau_drag_B, density, tau_solar_B)
+
+    def _solar(self, light: SolarPressure, R_T: Array, r_N: Array, t: float) -> Array:
+        place = self.sun.at(t)
+        sun_N, sunlight = sun.seen_from(r_N, place)
+        return light.moment(R_T.dot(sun_N), sunlight * at_distance(math.dist(place, r_N)))

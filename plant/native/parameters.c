@@ -135,11 +135,15 @@ bool plant_check(const PlantParameters *p, Fault *f)
     if (!(p->rod_duty >= 0.0 && p->rod_duty <= 1.0)) {
         return fault(f, "rod_duty", p->rod_duty, "0 to 1");
     }
+    if (!(p->solar_specular + p->solar_diffuse <= 1.0)) {
+        return fault(f, "solar_specular + solar_diffuse", p->solar_specular + p->solar_diffuse, "at most 1");
+    }
     if (p->integrator_order != 2 && p->integrator_order != 4 && p->integrator_order != 6) {
         return fault(f, "integrator_order", p->integrator_order, "2, 4 or 6");
     }
     return is_attitude(p, f) && is_epoch(p->epoch, &date, f) && orbit_of(p, &date, &orbit, f) &&
-           is_above_ground(p, &orbit, f) && (!p->drag || is_inside(p, f)) && check_field(p, &date, f);
+           is_above_ground(p, &orbit, f) && (!(p->drag || p->solar_pressure) || is_inside(p, f)) &&
+           check_field(p, &date, f);
 }
 
 /* Width across the flats. */

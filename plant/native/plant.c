@@ -5,6 +5,7 @@
 
 #include "rods.h"
 #include "rotation.h"
+#include "solar_pressure.h"
 #include "time_scales.h"
 
 static const double INTERNAL_STEPS_MAX = 1e6; /* in one communication step */
@@ -91,6 +92,9 @@ static const Loads *loads_at(PlantLaw *plant, const Matrix *R, double t)
     if (plant->p.drag) {
         loads->drag = drag(plant, apply_transposed(*R, around->along.flow_N), around->density);
     }
+    if (plant->p.solar_pressure) {
+        loads->solar = plant_solar_pressure(plant, R, t);
+    }
     return loads;
 }
 
@@ -105,6 +109,9 @@ static Vector external_moment(void *context, const Matrix *R, double t)
     }
     if (plant->p.drag) {
         tau = add(tau, loads->drag);
+    }
+    if (plant->p.solar_pressure) {
+        tau = add(tau, loads->solar);
     }
     return tau;
 }
@@ -227,7 +234,7 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
         y->wheel_speed[i] = x->l_w[i] / p->wheel_inertia[i];
     }
     y->field_extrapolated = plant->field_extrapolated;
-    plant_see_sun(&plant->environment.sun, x->t, &motion.r, y->sun_N, &y->sunlight);
+    (void)plant_see_sun(&plant->environment.sun, x->t, &motion.r, y->sun_N, &y->sunlight);
     y->dipole_saturated = false;
     for (int i = 0; i < 3; ++i) {
         y->dipole_saturated = y->dipole_saturated || fabs(u->dipole_cmd[i]) > p->dipole_max * p->rod_limits[i];

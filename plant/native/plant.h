@@ -35,7 +35,7 @@ typedef struct {
     bool known;
     double t;
     Matrix R;
-    Vector b, gravity_gradient, drag; /* T, N m, N m */
+    Vector b, gravity_gradient, drag, solar; /* T, N m */
 } Loads;
 
 /* Parameters and what follows from them alone, nodes of the environment and last loads included. */

@@ -109,9 +109,11 @@ static double visible(Vector r, Vector d)
     return disc_left(a, b, atan2(sqrt(larger(across2, 0.0)), -along / sqrt(d2)));
 }
 
-void plant_see_sun(Sun *sun, double t, const Vector *r, double sun_N[3], double *sunlight)
+double plant_see_sun(Sun *sun, double t, const Vector *r, double sun_N[3], double *sunlight)
 {
     const Vector d = subtract(sun_at(sun, t), *r);
-    store(scale(1.0 / norm(d), d), sun_N);
+    const double distance = norm(d);
+    store(scale(1.0 / distance, d), sun_N);
     *sunlight = visible(*r, d);
+    return distance;
 }

@@ -17,7 +17,8 @@ typedef struct {
 } Sun;
 
 /* At t s, from a satellite at r, m: the unit vector to the Sun in N and the part of its disc that the ellipsoid of
- * WGS 84 leaves visible. Apparent, with aberration; N has the true pole of date and the mean equinox. */
-void plant_see_sun(Sun *sun, double t, const Vector *r, double sun_N[3], double *sunlight);
+ * WGS 84 leaves visible. Apparent, with aberration; N has the true pole of date and the mean equinox.
+ * Returns the distance to the Sun, m. */
+double plant_see_sun(Sun *sun, double t, const Vector *r, double sun_N[3], double *sunlight);
 
 #endif

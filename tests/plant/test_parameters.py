@@ -11,7 +11,7 @@ import pytest
 
 import plant
 from fmus.interface import load
-from plant.checks import AT_LEAST, DRAG_RANGES, ROD_GAIN_MAX
+from plant.checks import AIR_RANGES, AT_LEAST, BODY_RANGES, LIGHT_RANGES, ROD_GAIN_MAX
 from tests.blocks import parameters
 from tests.plant.motion import checked
 
@@ -156,6 +156,6 @@ def test_ranges_are_those_of_the_interface():
     stated = {v.name: (v.min, v.max) for v in load("plant").of("parameter")}
     for name, least, _ in AT_LEAST:
         assert stated[name][0] == least, name
-    for name, low, high, _ in DRAG_RANGES:
+    for name, low, high, _ in (*AIR_RANGES, *BODY_RANGES, *LIGHT_RANGES):
         assert stated[name] == (low, high), name
     assert stated["rod_gain"] == (-ROD_GAIN_MAX, ROD_GAIN_MAX)
