@@ -1,4 +1,5 @@
-"""The commands `orchestrate sizing` and `orchestrate momentum-bound`, registered in pyproject.toml.
+"""The commands `orchestrate sizing`, `orchestrate momentum-bound` and `orchestrate plausible`, registered in
+pyproject.toml.
 
 Exit status: 0 all well; 1 the time asked for is impossible, or sized gains may ask for too much torque; 2 wrong input.
 """
@@ -14,6 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from orchestration import InputError
+from orchestration import load as load_scenario
 from orchestration.cli.console import say
 from orchestration.cli.help import examples
 from orchestration.cli.overrides import overridden
@@ -23,6 +25,7 @@ from orchestration.session.read import read as read_source
 from .gains import setup_of, study, table
 from .loop import read
 from .momentum import balance
+from .plausible import findings
 
 IMPOSSIBLE = 1
 _DIPOLE = Unit("A.m2", (0, 2, 0, 1, 0, 0, 0, 0))
@@ -164,3 +167,28 @@ def sizing(
         say(f"written: {out}")
     if found.sizing.torque_max > found.sizing.wish.torque:
         ctx.exit(IMPOSSIBLE)
+
+
+@click.command(
+    epilog=examples(
+        "orchestrate plausible scenarios/flight_cubesat.yaml",
+        "orchestrate plausible mine/tumble.yaml --mass '4 kg'",
+    )
+)
+@click.argument("scenario", type=click.Path(path_type=Path))
+@click.option("--mass", metavar="M", help="Mass of the satellite, to compare with its inertia; in kg or with a unit.")
+@click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value; may be repeated.")
+@click.pass_context
+def plausible(ctx: click.Context, scenario: Path, mass: str | None, sets: tuple[str, ...]) -> None:
+    """Compare a satellite's values with each other before anything is flown.
+
+    Each finding has its number, the bound and what to change. None is an error: what is meant can be flown. Exit status
+    1 where there is a finding.
+    """
+    loaded = load_scenario(overridden(read_source(scenario), sets))
+    found = findings(loaded, _quantity("--mass", mass, parse_unit("kg")))
+    for finding in found:
+        say(f"{finding}")
+    say(f"{loaded.name}: {len(found) or 'no'} finding{'s' if len(found) != 1 else ''}", bold=True)
+    if found:
+        ctx.exit(1)

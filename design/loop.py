@@ -86,7 +86,7 @@ def read(scenario: str | Path | Source, overrides: Mapping[str, Any] | None = No
     parts = {}
     for block, name in names.items():
         given = {(s.element.variable, s.element.position): s.value for s in starts[name]}
-        parts[block] = _parameters(block, given)
+        parts[block] = parameters(block, given, BLOCKS[block])
     setup = Setup(loaded, names, Loop(**parts))
     for block in BLOCKS:
         try:
@@ -104,8 +104,8 @@ def _model(block: str, flavour: str) -> Model:
         raise InputError(f"the block {block!r} cannot be built: {error}") from None
 
 
-def _parameters(block: str, given: Mapping[tuple[str, int], Any]) -> Any:
-    """The block's Parameters: what is given over the interface's start values."""
+def parameters(block: str, given: Mapping[tuple[str, int], Any], package: Any) -> Any:
+    """Returns the Parameters, of the package, of a block: what is given over the interface's start values."""
     values = {}
     for v in load(block).of("parameter"):
         value = np.array(v.start) if v.shape else v.start
@@ -120,4 +120,4 @@ def _parameters(block: str, given: Mapping[tuple[str, int], Any]) -> Any:
                 value = new
         convert: Any = {"real": float, "integer": int, "boolean": bool}.get(v.type, str)
         values[v.name] = np.asarray(value, np.float64) if v.shape else convert(value)
-    return BLOCKS[block].Parameters(**values)
+    return package.Parameters(**values)

@@ -1,15 +1,15 @@
 """`orchestrate new`: writes a small project for another team's FMU or device, with a test vector from our block.
 
-Tests: tests/orchestration/cli/test_new_satellite.py, tests/fmus/kit/.
+Tests: tests/fmus/kit/.
 """
 
 from __future__ import annotations
 
-import re
 import shlex
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
@@ -21,24 +21,35 @@ from fmus.kit import linked
 from fmus.native.toolchain import CompilerError
 
 from ..acceptance.vector import name_of, record, scenario_of
-from ..campaign.drawing.expression import Expression
-from ..errors import BlockError, InputError, ResultsError, hint, writing
+from ..errors import InputError, hint, writing
 from ..fmu.archive import shown
-from ..quantities import QuantityError, parse_unit, value_in
-from ..results.whole import put
-from ..scenario import template
-from ..session.open import open_scenario
 from ..session.read import load as load_scenario
-from ..session.read import read
-from ..session.run import whole
 from .console import say
 from .help import examples
-from .overrides import settings
 from .paths import PATH
+
+
+def others() -> dict[str, EntryPoint]:
+    """Returns what installed packages write, by their entry points of the group `orchestrate.new`: commands of their
+    own."""
+    return {point.name: point for point in entry_points(group="orchestrate.new")}
+
+
+class _New(click.Command):
+    """`orchestrate new NAME ...` is a command of its own where a package has one of this name."""
+
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
+    ) -> click.Context:
+        if args and (point := others().get(args[0])) is not None:
+            own: click.Command = point.load()
+            return own.make_context(f"{info_name} {args[0]}", args[1:], parent, **extra)
+        return super().make_context(info_name, args, parent, **extra)
 
 
 @click.command(
     "new",
+    cls=_New,
     epilog=examples(
         "orchestrate new allocator",
         "orchestrate new controller mine --lang python",
@@ -62,10 +73,7 @@ from .paths import PATH
     metavar="FILE",
     help="The run of which the test vector is a part; default: one of the project's own.",
 )
-@click.option("--set", "sets", multiple=True, metavar="NAME=VALUE", help="A value of a satellite; may be repeated.")
-def command(
-    block: str, folder: Path | None, lang: str | None, link_: bool, scenario: Path | None, sets: tuple[str, ...]
-) -> None:
+def command(block: str, folder: Path | None, lang: str | None, link_: bool, scenario: Path | None) -> None:
     """Write a project for another team, or a satellite's file.
 
     The project's FMU has the exact interface of BLOCK.
@@ -73,20 +81,11 @@ def command(
     With --link the project contains a skeleton of the device's firmware, a bench that plays the vector at the device,
     and the FMU that stands for the block in any tool and asks the device over UDP, TCP, a serial line or a pipe.
 
-    For a satellite it writes its file and a scenario that flies it, which is called after DIR;
-    without --set NAME=VALUE the command says which values it needs.
+    `orchestrate new satellite -h` lists what a satellite's file is made of.
     """
-    if block in template.names():
-        options = {"--lang": lang, "--link": link_, "--scenario": scenario}
-        if given := [option for option, value in options.items() if value]:
-            raise InputError(f"{given[0]}: a {block} is data alone and has no project; expected --set NAME=VALUE only")
-        _fill(template.read(block), folder or Path(block), settings(sets))
-        return
     lang = lang or "c"
-    if sets:
-        raise InputError(f"--set: {block!r} has no values to set; only {', '.join(template.names())} has")
     if block not in BLOCKS:
-        raise InputError(f"there is no block {block!r}{hint(block, [*BLOCKS, *template.names()])}")
+        raise InputError(f"there is no block {block!r}{hint(block, [*BLOCKS, *others()])}")
     target = folder or Path(f"{block}_device_{lang}" if link_ else f"{block}_{lang}")
     run = scenario or scenario_of(block)
     if not run.exists():
@@ -138,75 +137,3 @@ def _two_ways(fmu: str, block: str, run: Path, more: list[str]) -> None:
         say(f"  {command}")
     say("With equations of your own, fly it in the loop:")
     say(f"  orchestrate {shlex.quote(str(run.resolve()))} --swap {name_of(load_scenario(run), block)}={fmu}")
-
-
-def _computed(found: template.Template, given: dict[str, Any]) -> dict[str, str]:
-    """Returns the values that follow from given ones, and from those. Raises InputError for one that is no number."""
-    values: dict[str, str] = {}
-    for name, entry in found.values.items():
-        if "expression" not in entry:
-            continue
-        expression = Expression(entry["expression"], found.values, list(found.values))
-        needed, known = expression.uses & found.values.keys(), {**values, **given}
-        if needed <= known.keys():
-            numbers = {used: _number(used, known[used], found.values[used]) for used in needed}
-            try:
-                values[name] = f"{expression.value(numbers):.7g} {entry['unit']}"
-            except QuantityError:
-                used = ", ".join(f"--set {used}={known[used]}" for used in sorted(needed))
-                raise InputError(
-                    f"{used}: the value of {name} cannot be computed from it; it is {entry['what']}"
-                ) from None
-    return values
-
-
-def _number(name: str, value: Any, entry: dict[str, Any]) -> float:
-    """Returns the number in the unit and the range that are stated for it. Raises InputError."""
-    try:
-        unit = parse_unit(entry["unit"])
-        number = value_in(str(value), unit)
-    except QuantityError as error:
-        raise InputError(f"--set {name}: {error}") from None
-    if "range" in entry:
-        least, most = entry["range"]
-        if not value_in(least, unit) <= number <= value_in(most, unit):
-            found = f"{value} ({number:.10g} {entry['unit']})"
-            raise InputError(f"--set {name}: expected {least} to {most}, found {found}")
-    return number
-
-
-def _fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
-    """Writes the files of a template, none that is there already, and flies a sample.
-
-    So a value that no block takes is told now.
-    """
-    if own := re.sub(r"[^\w.-]", "_", folder.absolute().name).lstrip(".-"):
-        given = {"name": own, **given}
-    files = {folder / name: text for name, text in found.filled(given, _computed(found, given)).items()}
-    if there := next((path for path in files if path.exists()), None):
-        raise InputError(f"{there} is there already; expected a folder without it")
-    new = not folder.exists()
-    try:
-        with writing(folder):
-            folder.mkdir(parents=True, exist_ok=True)
-            for path, text in files.items():
-                put(path, text)
-        written = read(folder / found.flown)
-        loop = open_scenario(load_scenario(written)).plan.scenario
-        sample = loop.step * max(entry.every for entry in loop.blocks.values())
-        short = written.without([("record",), ("expect",), ("figures",)]).with_entry(("duration",), sample)
-        first = whole(load_scenario(short))
-        if first.failure is not None:
-            raise InputError(f"{first.failure}\nnothing was written; remedy: --set with a value that the block takes")
-    except (InputError, BlockError, ResultsError, KeyboardInterrupt) as error:
-        with suppress(OSError):
-            for path in files:
-                path.unlink(missing_ok=True)
-            if new:
-                folder.rmdir()
-        if isinstance(error, InputError):
-            raise InputError(*(found.told(problem, folder) for problem in error.problems)) from None
-        raise
-    say(f"{folder}: {found.about}")
-    for path in files:
-        say(f"  {path}")

@@ -90,9 +90,11 @@ class _Given:
         self.errors: list[Problem] = []
         self.layers = (_Layer(), _Layer())
         own: Key = ("blocks", block, "start")
-        shared = [(name, ("shared", name), v) for name, v in scenario.shared.items() if taken(model, name)]
+        stated, options = scenario.blocks[block].start, scenario.source.options
+        shared = [(taken(model, name), ("shared", name), value) for name, value in scenario.shared.items()]
         self._entries: tuple[list[_Entry], list[_Entry]] = (
-            [(taken(model, name) or name, key, value) for name, key, value in shared],
+            # A value that the block states itself need not fit its shape: the axis of one wheel beside those of a set.
+            [(name, key, v) for name, key, v in shared if name and (key in options or name not in stated)],
             [(name, (*own, name), value) for name, value in scenario.blocks[block].start.items()],
         )
 

@@ -6,8 +6,8 @@
 static const double FIELD_MIN = 1e-12; /* T; a weaker field counts as none */
 
 typedef struct {
-    Vector zeta;       /* rotation vector of the attitude error, R = R_d exp(zeta^), rad */
-    double angle;      /* its length */
+    Vector zeta;       /* rotation vector of the attitude error, R = R_d exp(zeta^), rad; zero without an attitude */
+    double angle;      /* its length; pi without an attitude */
     Vector omega;      /* rate error */
     Vector dOmega_d_B; /* derivative of the desired rate as the turning body sees it, rad/s2 */
 } Errors;
@@ -24,10 +24,14 @@ static bool errors_of(const ControllerWheelsLaw *law, double t, const Controller
         }
     }
     if (!all_finite_vectors(given, COUNT(given), f) || !are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f) ||
-        !is_attitude(R, f) ||
+        (!is_zero_matrix(R) && !is_attitude(R, f)) ||
         !reference_at(law->p.reference, law->R_d0, vector(law->p.Omega_d0), t, vector(u->r_N), vector(u->v_N),
                       &reference, f)) {
         return false;
+    }
+    if (is_zero_matrix(R)) { /* no attitude: the rate alone is damped */
+        *e = (Errors){.angle = 3.14159265358979323846, .omega = vector(u->omega_B)};
+        return true;
     }
     const Matrix Q = multiply(transposed(reference.R_d), R);
     const Vector Omega_d_B = apply_transposed(Q, reference.Omega_d);

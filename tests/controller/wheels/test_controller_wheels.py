@@ -124,6 +124,15 @@ def slewed(angle: float, axis: np.ndarray, **parameters: Any) -> tuple[float, fl
 
 def test_an_attitude_that_is_none_is_refused() -> None:
     with pytest.raises(Refused, match="R_NB: expected a rotation matrix"):
-        running("controller_wheels", R_NB=np.zeros((3, 3)))
+        running("controller_wheels", R_NB=np.diag([1.0, 1.0, 0.9]))
     with pytest.raises(Refused, match=r"wheel_axis\[2\]: expected a vector of unit length"):
         running("controller_wheels", wheels=2, wheel_axis=np.vstack((np.eye(3)[0], np.zeros((3, 3)))))
+
+
+def test_without_an_attitude_it_damps_the_rate_alone() -> None:
+    Omega = np.array([1e-4, -2e-4, 1e-4])
+    y = commanded({**INERTIAL, "reference": "lvlh"}, R_NB=np.zeros((3, 3)), omega_B=Omega, **NO_FIELD)
+    expected = -4.0 * 0.2 * FULL_INERTIA @ Omega + np.cross(Omega, FULL_INERTIA @ Omega)
+    assert on_body(y) == pytest.approx(expected, rel=1e-7)
+    assert y["attitude_error"] == pytest.approx(math.pi)
+    assert y["rate_error_B"] == pytest.approx(Omega)

@@ -13,7 +13,7 @@ from fmus.native.toolchain import CompilerError
 from orchestration.results import whole
 from tests.commands import orchestrate
 
-from ..cli.test_new_satellite import GIVEN
+from ...design.test_new_satellite import GIVEN
 
 SETS = [part for name, value in GIVEN.items() for part in ("--set", f"{name}={json.dumps(value)}")]
 

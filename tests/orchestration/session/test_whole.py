@@ -20,7 +20,7 @@ from orchestration.session.run import whole
 from tests.commands import orchestrate
 
 from ..campaign.toy import changed, command, fly, toy  # noqa: F401  (a fixture)
-from ..cli.test_new_satellite import made
+from ...design.test_new_satellite import made
 from ..swapped import swapped
 
 MINIMAL = Path(__file__).parents[3] / "scenarios" / "minimal.yaml"

@@ -1,0 +1,166 @@
+"""What follows from a satellite's data sheet: inertia of a mass and size, axes of a set of wheels, period, notes.
+
+Tests: tests/design/test_new_satellite.py.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from orchestration import InputError
+from orchestration.quantities import QuantityError, parse_unit, value_in
+
+from .template import Template
+
+MU, EARTH_RADIUS = 3.986004418e14, 6378137.0
+"""m3/s2 and m (WGS 84)."""
+FIELD = 4.4e-5
+"""T: a mean of the Earth's field at 500 km, by which notes give torques."""
+ERROR, RESIDUAL, DUTY = 0.05, 0.01, 0.8
+"""Assumed where not given: error of the inertia, residual dipole over that of the rods; part in which rods are on."""
+KNOWN = {
+    "cubesat": ("0.2 deg", "1e-4 rad/s", "15 deg"),
+    "star tracker": ("0.01 deg", "3e-5 rad/s", "1 deg"),
+    "perfect": ("0.01 deg", "1e-5 rad/s", "1 deg"),
+}
+"""Errors of attitude and rate of an estimate on each set of sensors, as a controller is told; a goal for the hold."""
+OWN = KNOWN["cubesat"]
+NO_WHEEL = ("1e-9 N.m", "1e-9 N.m.s")
+SET = 4
+"""Places of a set of wheels."""
+
+
+def wheel_axes(text: str) -> list[list[float]] | None:
+    """Returns the unit axes of a preset's wheels; None of one wheel and of none, whose axis is a value.
+
+    "three axes" are x, y and z; "pyramid 35 deg" are four wheels about z, that angle from the plane of x and y, between
+    the body's axes. Raises InputError.
+    """
+    if text in ("none", "one"):
+        return None
+    if text == "three axes":
+        return np.eye(3).tolist()
+    if match := re.fullmatch(r"pyramid(?: (.+))?", text):
+        try:
+            angle = value_in(match[1] or "35.26438968 deg", parse_unit("rad"))
+        except QuantityError as error:
+            raise InputError(f"--set wheels: {error}") from None
+        if not 0.0 < angle < math.pi / 2:
+            raise InputError(f"--set wheels: expected an angle of 0 to 90 deg, found {text}")
+        turns = math.pi / 4 + math.pi / 2 * np.arange(SET)
+        flat, up = math.cos(angle), math.sin(angle)
+        return [[flat * math.cos(turn), flat * math.sin(turn), up] for turn in turns.tolist()]
+    raise InputError(f"--set wheels: expected none, one, three axes or pyramid 35 deg, found {text!r}")
+
+
+def box(mass: float, width: float, length: float, axis: str) -> list[float]:
+    """Returns the principal moments (3,), kg m2, of a homogeneous box, its length along x, y or z."""
+    about, across = mass / 6.0 * width**2, mass / 12.0 * (width**2 + length**2)
+    return [about if name == axis else across for name in "xyz"]
+
+
+def _matrix(value: Any) -> Any:
+    """Returns the inertia (3,3), kg m2, of what is given; None where the blocks will refuse it."""
+    try:
+        if isinstance(value, dict):
+            return np.diag(np.array(value["diagonal"], float))
+        matrix = np.array(value, float)
+    except (KeyError, TypeError, ValueError):
+        return None
+    return matrix if matrix.shape == (3, 3) else None
+
+
+def _size(value: float, unit: str) -> str:
+    """A value to three figures with a prefix."""
+    if value == 0.0 or not math.isfinite(value):
+        return f"{value:g} {unit}"
+    power = min(max(3 * math.floor(math.log10(abs(value)) / 3), -9), 3)
+    return f"{value / 10.0**power:.3g} { {-9: 'n', -6: 'u', -3: 'm', 0: '', 3: 'k'}[power] }{unit}"
+
+
+def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Returns all values by name, with those that follow, and the texts of notes. Raises InputError."""
+    values = {name: entry.get("default") for name, entry in found.values.items()} | dict(given)
+    number = {n: found.number(n, v) for n, v in values.items() if v is not None and "unit" in found.values[n]}
+    notes: dict[str, str] = {}
+
+    if "inertia" not in given:
+        moments = box(number["mass"], number["body_width"], number["body_length"], str(values["body_axis"]))
+        values["inertia"] = {"diagonal": [float(f"{m:.6g}") for m in moments]}
+        notes["inertia"] = f"of a homogeneous body of {values['mass']} and this size; wheels locked"
+    else:
+        notes["inertia"] = "with the wheels locked" + (f"; mass {values['mass']}" if "mass" in given else "")
+    J = _matrix(values["inertia"])
+    if values["J_error_B"] is None:
+        off = ERROR * J if J is not None else np.zeros((3, 3))
+        values["J_error_B"] = [[float(f"{x:.4g}") for x in row] for row in off.tolist()]
+        notes["J_error_B"] = "assumed to be a twentieth of it"
+    else:
+        notes["J_error_B"] = "as given"
+
+    dipole = number["dipole_max"]
+    torque = dipole * FIELD
+    if J is not None and torque > 0.0 and np.trace(J) > 0.0:
+        turned = math.sqrt(np.trace(J) / 3.0 / torque)
+        notes["dipole_max"] = (
+            f"{_size(torque, 'N.m')} in a field of 44 uT, which turn the body by a radian in {turned:.3g} s"
+        )
+    else:
+        notes["dipole_max"] = f"{_size(torque, 'N.m')} in a field of 44 uT"
+    if values["residual_dipole_B"] is None:
+        each = RESIDUAL * dipole
+        values["residual_dipole_B"] = [f"{sign * each:.3g} A.m2" for sign in (1, -1, 1)]
+        largest = math.sqrt(3.0) * each * FIELD
+        notes["residual_dipole_B"] = f"assumed, a hundredth of the rods': up to {_size(largest, 'N.m')}; measure it"
+    else:
+        notes["residual_dipole_B"] = "as given"
+    notes["dipole_mean"] = f"{DUTY * dipole:.6g} A.m2"
+
+    kind = str(values["wheels"])
+    axes = wheel_axes(kind)
+    if kind == "none":
+        values["wheel_torque_max"], values["wheel_momentum_max"] = NO_WHEEL
+        notes |= {"wheels": "no wheel: next to nothing, as the controller takes it"}
+        notes |= {"wheel_torque_max": "none", "wheel_momentum_max": "none", "wheel_momentum_noise": "0 N.m.s"}
+    else:
+        momentum, motor = number["wheel_momentum_max"], number["wheel_torque_max"]
+        notes["wheels"] = "one wheel"
+        notes["wheel_torque_max"] = f"full in {momentum / motor:.3g} s" if motor > 0.0 else "the motor gives nothing"
+        held = f"{math.degrees(momentum / np.diag(J).max()):.3g} deg/s of the body" if J is not None else "of a wheel"
+        emptied = f"; the rods take it away in {momentum / torque:.3g} s" if torque > 0.0 else ""
+        notes["wheel_momentum_max"] = held + emptied
+        notes["wheel_momentum_noise"] = f"{1e-3 * momentum:.3g} N.m.s"
+    values["wheel_count"] = 1
+    if axes is not None:
+        values["wheel_count"] = len(axes)
+        values["wheel_axis"] = [[float(f"{x:.10g}") for x in a] for a in [*axes, *axes[: SET - len(axes)]]]
+        for name in ("wheel_torque_max", "wheel_momentum_max", "wheel_inertia"):
+            values[name] = SET * [values[name]]
+        notes["wheels"] = f"{kind}: the first {len(axes)} of {SET} places"
+    notes["plant"] = "plant" if axes is None else "plant_wheels"
+
+    by_radius = "orbit_radius" in given
+    radius = number["orbit_radius"] if by_radius else EARTH_RADIUS + number["altitude"]
+    if values["period"] is None:
+        values["period"] = f"{2.0 * math.pi * math.sqrt(radius**3 / MU):.7g} s"
+    name = "orbit_radius" if by_radius else "altitude"
+    notes["orbit"] = f"{name}: {values[name]}"
+    notes["period"] = f"a circular orbit of {values['period']}"
+
+    sensors = str(values["sensors"])
+    attitude, rate, goal = KNOWN.get(sensors, OWN)
+    values["attitude_noise"] = values["attitude_noise"] or attitude
+    values["rate_noise"] = values["rate_noise"] or rate
+    values["goal"] = values["goal"] or goal
+    on = {"perfect": "PERFECT sensors, which no satellite has", "cubesat": "the sensors of a CubeSat"}
+    law = (
+        "planned controller, bounded allocator" if axes is None else "quaternion feedback by wheels, unloading by rods"
+    )
+    measured = on.get(sensors, f"sensors: {sensors}".replace('"', "'"))
+    notes["description"] = f"A tumble to LVLH hold on {measured}, the estimator in the loop: {law}"
+    return values, notes

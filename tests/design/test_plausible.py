@@ -1,0 +1,95 @@
+"""Plausibility: ten planted mistakes are named, and none in the satellites of the project."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import orchestration
+from design.plausible import findings, satellite
+from evidence.satellites.classes import CLASSES, VARIANTS
+from orchestration.session.read import read
+
+ALL = {**CLASSES, **VARIANTS}
+
+
+def scenario(goal=None, **values):
+    """Of a 3U, with values in the place of its own."""
+    source = read(Path("scenarios/flight_cubesat.yaml"))
+    for name, value in values.items():
+        source = source.with_start(name, value)
+    if "dipole_max" in values:
+        source = source.with_start("controller.dipole_max", values["dipole_max"])
+    if goal:
+        limit = {"name": "goal", "signal": "judge.attitude_error", "always": {"below": goal}}
+        source = source.with_entry(("expect",), [limit])
+    return orchestration.load(source)
+
+
+PLANTED = [
+    ({"J_B": {"diagonal": [41.9, 41.9, 6.67]}}, "in g.m2 it would fit"),
+    ({"J_B": {"diagonal": [419, 419, 66.7]}}, "in kg.cm2 it would fit"),
+    ({"J_B": {"diagonal": [0.0419, 0.0419, 0.1]}}, "1.19 times the sum of the two others"),
+    ({"body_axis": "x"}, "body_axis x of a long body"),
+    ({"body_length": "34 m"}, "10 to 6000 kg/m3"),
+    ({"center_of_mass_B": ["1 cm", "1 cm", "12 cm"]}, "center_of_mass_B is 120 mm off the middle along z"),
+    ({"dipole_max": "0.3e-3 A.m2"}, "rods of 0.0003 A.m2 turn this body by a radian in"),
+    ({"wheel_torque_max": "0.3 N.m"}, "the wheel is full after 0.00667 s"),
+    ({"wheel_momentum_max": "2 N.m.s"}, "the rods are too weak for the wheel"),
+    ({"plant.omega_B0": [2, -3, 2]}, "omega_B0 is 236 deg/s"),
+    ({"plant.residual_dipole_B": [0.2, -0.1, 0.3]}, "residual dipole"),
+    ({"goal": "0.05 deg"}, "an attitude error of 0.05 deg is expected"),
+]
+
+
+@pytest.mark.parametrize(("changes", "named"), PLANTED, ids=[named[:30] for _, named in PLANTED])
+def test_a_planted_mistake_is_named(changes, named):
+    found = [str(finding) for finding in findings(scenario(**changes))]
+    assert any(named in text for text in found), found
+
+
+@pytest.mark.parametrize(
+    "path", ["flight_cubesat", "flight_vb", "flight_vc", "flight_pyramid", "mission_day_mass_normalised"]
+)
+def test_no_mistake_is_seen_in_the_scenarios_of_the_project(path):
+    assert findings(orchestration.load(f"scenarios/{path}.yaml")) == []
+
+
+@pytest.mark.parametrize("name", list(ALL))
+def test_no_mistake_is_seen_in_the_satellites_of_the_evidence(name):
+    one = ALL[name]
+    values = {
+        "J_B": {"diagonal": list(one.moments)},
+        "dipole_max": one.dipole_max,
+        "wheel_torque_max": one.wheel_torque_max,
+        "wheel_momentum_max": one.wheel_momentum_max,
+        "wheel_axis": list(np.array(one.wheel_axis) / np.linalg.norm(one.wheel_axis)),
+        "rod_axes": one.rod_axes,
+        "body_width": one.size[0],
+        "body_length": one.size[1],
+        "body_axis": one.axis,
+    }
+    assert [str(f) for f in findings(scenario(**values))] == []
+
+
+def test_a_mass_bounds_the_inertia_of_what_fits_into_the_body():
+    """All of 4 kg in the edges of 10 by 10 by 34 cm have 4 (0.1^2 + 0.34^2)/4 kg m2 across."""
+    light = [str(finding) for finding in findings(scenario(), mass=1.0)]
+    assert any("kg.m2 of 1 kg within 0.1 by 0.1 by 0.34 m" in text for text in light)
+    assert findings(scenario(), mass=4.0) == []
+
+
+def test_disturbances_are_those_of_closed_forms():
+    s = satellite(scenario(**{"plant.residual_dipole_B": [0.003, 0.0, 0.004]}))
+    causes = s.disturbances()
+    n = math.sqrt(3.986004418e14 / 6878e3**3)
+    J = s.p.J_B
+    assert causes["gravity gradient"] == pytest.approx(1.5 * n**2 * (J[0, 0] - J[2, 2]), rel=1e-9)
+    assert causes["residual dipole"] == pytest.approx(0.005 * 6e-5 * (6371.2 / 6878) ** 3, rel=1e-9)
+    tried = []
+    for t in np.linspace(0.0, 5600.0, 29):
+        flow, density = s.p.air.flow(t)
+        for R in np.eye(3)[[[0, 1, 2], [1, 2, 0], [2, 0, 1]]]:
+            tried.append(np.linalg.norm(s.p.surface.moment(R @ flow, density)))
+    assert 0.3 * causes["drag"] < max(tried) < causes["drag"]
