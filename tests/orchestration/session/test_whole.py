@@ -19,8 +19,8 @@ from orchestration.session.read import load
 from orchestration.session.run import whole
 from tests.commands import orchestrate
 
-from ..campaign.toy import changed, command, fly, toy  # noqa: F401  (a fixture)
 from ...design.test_new_satellite import made
+from ..campaign.toy import changed, command, fly, toy  # noqa: F401  (a fixture)
 from ..swapped import swapped
 
 MINIMAL = Path(__file__).parents[3] / "scenarios" / "minimal.yaml"
