@@ -40,13 +40,18 @@ def blocks_of(flavour: str) -> list[str]:
 
 
 def build(
-    blocks: Iterable[str | Block] | None = None, flavour: str = "native", out: Path | None = None
+    blocks: Iterable[str | Block] | None = None, flavour: str = "native", out: Path | None = None, version: int = 2
 ) -> dict[str, Path]:
     """Builds FMUs into a folder, by default out/fmus/<flavour>, and returns their paths by block. Raises BuildError.
 
-    Without `blocks` these are all that have the flavour.
+    Without `blocks` these are all that have the flavour. `version` is FMI's; those of FMI 3.0, native ones alone, are
+    in out/fmus/fmi3 by default.
     """
     _check(flavour)
+    if version == 3:
+        if flavour != "native":
+            raise BuildError(f"the flavour {flavour!r} has FMUs of FMI 2.0 only")
+        out = out or places.work() / "fmus" / "fmi3"
     chosen = [Block.named(b) if isinstance(b, str) else b for b in (blocks_of(flavour) if blocks is None else blocks)]
     for block in chosen:
         _check_flavour(block.interface, flavour)
@@ -54,15 +59,19 @@ def build(
     for number, block in enumerate(chosen, start=1):
         path = paths[block.name] = _path(block.name, flavour, out)
         _LOG.info("building %s (%s)%s ...", path.name, flavour, f", {number} of {len(chosen)}" if chosen[1:] else "")
-        _make(block, flavour, path)
+        _make(block, flavour, path, version=version)
         if out is None:  # what is built anew takes the place of a file that was spoilt
             _path(block.name, flavour, None, here=True).unlink(missing_ok=True)
     return paths
 
 
-def _make(block: Block, flavour: str, path: Path, here: bool = False) -> None:
+def _make(block: Block, flavour: str, path: Path, here: bool = False, version: int = 2) -> None:
     stamp = fingerprint(block, flavour).encode()
-    package = partial(_packager(flavour), platforms="host") if here else _packager(flavour)
+    package = _packager(flavour)
+    if here:
+        package = partial(package, platforms="host")
+    if version == 3:
+        package = partial(package, version=3)
     try:
         data = package(block.interface, block.folder, places.shared("LICENSE"))
     except Exception as error:

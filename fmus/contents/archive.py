@@ -17,14 +17,14 @@ from .terminals import terminals_and_icons
 _DATE = (1980, 1, 1, 0, 0, 0)
 
 
-def common(interface: Interface, folder: Path, licence: Path | None, host: str) -> dict[str, bytes]:
+def common(interface: Interface, folder: Path, licence: Path | None, host: str, version: int = 2) -> dict[str, bytes]:
     """Documentation, licence, terminals, icon and reference data by their paths in the archive.
 
-    `folder` is that of the block; `host` says what a host must have.
+    `folder` is that of the block; `host` says what a host must have; `version` is FMI's.
     """
     found = {
-        "documentation/index.html": index_html(interface, host),
-        "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(interface),
+        "documentation/index.html": index_html(interface, host, version),
+        "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(interface, version),
         **references(interface, folder),
     }
     if licence is not None and licence.exists():
@@ -37,7 +37,8 @@ def common(interface: Interface, folder: Path, licence: Path | None, host: str) 
             continue
         found[f"terminalsAndIcons/{target}.svg"] = svg
         found[f"terminalsAndIcons/{target}.png"] = _png(svg)
-    found["model.png"] = found["terminalsAndIcons/icon.png"]
+    if version == 2:
+        found["model.png"] = found["terminalsAndIcons/icon.png"]
     found["documentation/icon.svg"] = found["terminalsAndIcons/icon.svg"]
     return found
 

@@ -60,7 +60,7 @@ def model_description(
         generationTool=generation_tool,
         variableNamingConvention="structured",
     )
-    flags = {name: _text(value) for name, value in vars(capabilities).items()}
+    flags = {name: text_of(value) for name, value in vars(capabilities).items()}
     kind = ET.SubElement(root, "CoSimulation", {"modelIdentifier": interface.name, **flags})
     if sources:
         files = ET.SubElement(kind, "SourceFiles")
@@ -72,13 +72,18 @@ def model_description(
     for name, about in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", name=name, description=about)
     ET.SubElement(
-        root, "DefaultExperiment", startTime="0.0", stopTime=_text(interface.stop), stepSize=_text(interface.step)
+        root, "DefaultExperiment", startTime="0.0", stopTime=text_of(interface.stop), stepSize=text_of(interface.step)
     )
     variables = ET.SubElement(root, "ModelVariables")
     for variable in interface.variables.values():
         for position, element in enumerate(variable.elements):
             _scalar_variable(variables, variable, position, element)
     _model_structure(root, interface)
+    return xml_bytes(root)
+
+
+def xml_bytes(root: ET.Element) -> bytes:
+    """A file of an FMU, indented."""
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
@@ -99,11 +104,17 @@ def about(variable: Variable) -> str:
     return f"{variable.description} ({'; '.join(more)})" if more else variable.description
 
 
-def _unit_definitions(root: ET.Element, interface: Interface) -> None:
+def shown_units(interface: Interface) -> dict[str, set[str]]:
+    """The units of an interface, each with those in which it is shown."""
     shown: dict[str, set[str]] = {}
     for variable in interface.variables.values():
         for name in map(_unit_name, variable.units if variable.type == "real" else ()):
             shown.setdefault(name, set()).update({variable.display_unit} - {None})  # type: ignore[arg-type]
+    return shown
+
+
+def _unit_definitions(root: ET.Element, interface: Interface) -> None:
+    shown = shown_units(interface)
     definitions = ET.SubElement(root, "UnitDefinitions")
     for name in sorted(shown):
         entry = ET.SubElement(definitions, "Unit", name=name)
@@ -111,7 +122,7 @@ def _unit_definitions(root: ET.Element, interface: Interface) -> None:
         ET.SubElement(entry, "BaseUnit", unit.base_unit)
         for display in sorted(shown[name]):
             factor = display_factor(unit, parse_unit(display))
-            ET.SubElement(entry, "DisplayUnit", name=display, factor=_text(factor))
+            ET.SubElement(entry, "DisplayUnit", name=display, factor=text_of(factor))
 
 
 def _type_definitions(root: ET.Element, interface: Interface) -> None:
@@ -159,9 +170,9 @@ def _scalar_variable(parent: ET.Element, variable: Variable, position: int, elem
     bounds: Mapping[str, float | None] = {"min": variable.min, "max": variable.max}
     for key, bound in bounds.items():
         if bound is not None:
-            kind[key] = _text(float(bound) if variable.type == "real" else int(bound))
+            kind[key] = text_of(float(bound) if variable.type == "real" else int(bound))
     if element.start is not None:
-        kind["start"] = _text(float(element.start) if variable.type == "real" else element.start)
+        kind["start"] = text_of(float(element.start) if variable.type == "real" else element.start)
     ET.SubElement(entry, _TAGS[variable.type], kind)
     if variable.optional or variable.quantity:
         tool = ET.SubElement(ET.SubElement(entry, "Annotations"), "Tool", name=TOOL)
@@ -198,5 +209,6 @@ def _unit_attributes(variable: Variable, position: int) -> dict[str, str]:
     return {"unit": _unit_name(variable.units[position]), **display}
 
 
-def _text(value: float | int | bool | str) -> str:
+def text_of(value: float | int | bool | str) -> str:
+    """As XML has it."""
     return str(value).lower() if isinstance(value, bool) else str(value)

@@ -25,7 +25,7 @@ _FRAMES = (
 _HEADINGS = {"input": "Inputs", "output": "Outputs", "parameter": "Parameters"}
 
 
-def index_html(interface: Interface, host: str) -> bytes:
+def index_html(interface: Interface, host: str, version: int = 2) -> bytes:
     """A page that lists equations, limits, terminals, and every port and parameter. `host`: what a host must have."""
     parts = [
         '<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">'
@@ -34,17 +34,18 @@ def index_html(interface: Interface, host: str) -> bytes:
         f"<title>{escape(interface.name)}</title>\n<style>{STYLE.read_text('utf-8')}{_OWN}</style></head>",
         "<body>\n<main>\n<img class='icon' src='icon.svg' alt=''>",
         f"<h1>{escape(interface.name)}</h1>",
-        content(interface, host, "licenses/license.txt"),
+        content(interface, host, "licenses/license.txt", version),
     ]
     return ("\n".join(parts) + "\n</main>\n</body>\n</html>\n").encode()
 
 
-def content(interface: Interface, host: str, licence: str) -> str:
+def content(interface: Interface, host: str, licence: str, version: int = 2) -> str:
     """Returns the page below its heading, for the documentation site too. `licence`: the link to it."""
+    by_element = "named element by element, one-based and row by row: <code>omega_B[1]</code>, <code>R_NB[2,3]</code>"
+    written = by_element if version == 2 else "arrays, row by row; one whose units differ is named element by element"
     parts = [
-        f"<p>{escape(interface.description)}. FMI 2.0 for co-simulation.</p>",
-        "<p>Vectors and matrices are named element by element, one-based and row by row: "
-        "<code>omega_B[1]</code>, <code>R_NB[2,3]</code>. Initial values hold at the start of the experiment, "
+        f"<p>{escape(interface.description)}. FMI {version}.0 for co-simulation.</p>",
+        f"<p>Vectors and matrices are {written}. Initial values hold at the start of the experiment, "
         "which is the block's t = 0. Where the host gives a stop time, a step that ends more than a hundredth of "
         "itself "
         f"beyond it is refused. Licence: <a href='{licence}'>BSD-3-Clause</a>.</p>",

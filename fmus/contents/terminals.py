@@ -9,12 +9,13 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 
 from ..interface import Interface
+from .description3 import names_3
 
 EDGE, BODY, HALF = 100, 80, 8
 """Of the icon's coordinates: the square, the block within it, and half a terminal's height."""
 
 
-def terminals_and_icons(interface: Interface) -> bytes:
+def terminals_and_icons(interface: Interface, version: int = 2) -> bytes:
     """The XML file: the icon's place, then a terminal each with its inputs at the left or its outputs at the right."""
     root = ET.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
     graphics = ET.SubElement(root, "GraphicalRepresentation")
@@ -25,18 +26,19 @@ def terminals_and_icons(interface: Interface) -> bytes:
         for causality, side in (("input", -1), ("output", 1)):
             names = [n for n, members in interface.terminals.items() if _causality(interface, members) == causality]
             for place, name in enumerate(names, start=1):
-                _terminal(entries, interface, name, side, BODY - 2 * BODY * place // (len(names) + 1))
+                _terminal(entries, interface, name, version, side, BODY - 2 * BODY * place // (len(names) + 1))
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
 
-def _terminal(parent: ET.Element, interface: Interface, name: str, side: int, height: int) -> None:
+def _terminal(parent: ET.Element, interface: Interface, name: str, version: int, side: int, height: int) -> None:
     variables = [interface.variables[member] for member in interface.terminals[name]]
     about = "; ".join(variable.description for variable in variables)
     entry = ET.SubElement(parent, "Terminal", name=name, matchingRule="plug", description=about)
     for variable in variables:
-        for element in variable.elements:
-            member = {"variableName": element.name, "memberName": element.name, "variableKind": "signal"}
+        names = [e.name for e in variable.elements] if version == 2 else names_3(variable)
+        for member_name in names:
+            member = {"variableName": member_name, "memberName": member_name, "variableKind": "signal"}
             ET.SubElement(entry, "TerminalMemberVariable", member)
     left, right = sorted((side * BODY, side * (BODY + 2 * HALF)))
     extent = _extent(left, height - HALF, right, height + HALF)

@@ -14,10 +14,21 @@ from pathlib import Path
 from ..block import lenders, module_of
 from ..contents.archive import archive, common
 from ..contents.description import Capabilities, guid_from, model_description
+from ..contents.description3 import build_description, model_description_3
 from ..interface import Interface
 from .carried import collected
-from .generate import block_header, ports_header, table
-from .toolchain import FLAGS, FREESTANDING, PLATFORMS, CompilerError, compile_library, compiler, host_platform
+from .generate import arrays, block_header, ports_header, table
+from .toolchain import (
+    FLAGS,
+    FREESTANDING,
+    PLATFORMS,
+    CompilerError,
+    compile_slices,
+    compiler,
+    host_platform,
+    suffix_of,
+    universal,
+)
 
 __all__ = ["CAPABILITIES", "PLATFORMS", "CompilerError", "package", "sources"]
 
@@ -30,47 +41,63 @@ HOST = (
 )
 
 _HERE = Path(__file__).parent
-SHELL, COMMON = _HERE / "shell", _HERE / "common"
-"""The C that all blocks' FMUs share, and the headers that the blocks themselves share."""
+SHELL, SHELL_3, COMMON = _HERE / "shell", _HERE / "shell3", _HERE / "common"
+"""The C that all blocks' FMUs share, what comes to it with FMI 3.0, and the headers that the blocks share."""
 
 
 def package(
-    interface: Interface, folder: Path, licence: Path | None = None, platforms: str | Sequence[str] = tuple(PLATFORMS)
+    interface: Interface,
+    folder: Path,
+    licence: Path | None = None,
+    platforms: str | Sequence[str] = tuple(PLATFORMS),
+    version: int = 2,
 ) -> bytes:
     """The FMU of the block whose C stands in `folder`/native. The same sources give the same bytes.
 
-    `platforms` are FMI's names, or "host" for this machine's. Raises CompilerError.
+    `platforms` are FMI 2.0's names, or "host" for this machine's; `version` is FMI's, 2 or 3. Raises CompilerError.
     """
     chosen = [host_platform()] if platforms == "host" else [platforms] if isinstance(platforms, str) else platforms
     generated = generated_sources(interface, folder)
-    guid = guid_from(_digest(interface, folder, generated))
+    guid = guid_from(_digest(interface, folder, generated, version))
     tool = f"attitude-cosim, {compiler()}"
     with tempfile.TemporaryDirectory() as temporary:
-        compiled, headers = lay_out(interface, folder, guid, Path(temporary), generated)
-        made = compile_library(interface.name, compiled, headers, chosen)
+        compiled, headers = lay_out(interface, folder, guid, Path(temporary), generated, version)
+        made = compile_slices(interface.name, compiled, headers, chosen, asks_memory=version == 3)
         carried = collected([*headers, FREESTANDING])
-    files = {
-        "modelDescription.xml": model_description(
-            interface, guid, CAPABILITIES, tool, sources=[name for name in carried if name.endswith(".c")]
-        ),
-        **common(interface, folder, licence, HOST),
-        **{f"sources/{name}": data for name, data in carried.items()},
-    }
-    for name, library in made.items():
-        files[f"binaries/{name}/{interface.name}{PLATFORMS[name].suffix}"] = library
+    files = {f"sources/{name}": data for name, data in carried.items()}
+    files |= common(interface, folder, licence, HOST, version)
+    c_files = [name for name in carried if name.endswith(".c")]
+    if version == 2:
+        files["modelDescription.xml"] = model_description(interface, guid, CAPABILITIES, tool, sources=c_files)
+        places = {platform: universal(list(slices.values())) for platform, slices in made.items()}
+    else:
+        files["modelDescription.xml"] = model_description_3(interface, guid, CAPABILITIES, tool)
+        files["sources/buildDescription.xml"] = build_description(interface, c_files)
+        places = {name: data for slices in made.values() for name, data in slices.items()}
+    for place, library in places.items():
+        files[f"binaries/{place}/{interface.name}{suffix_of(place)}"] = library
     return archive(files)
 
 
 def lay_out(
-    interface: Interface, folder: Path, guid: str, generated_into: Path, generated: dict[str, str] | None = None
+    interface: Interface,
+    folder: Path,
+    guid: str,
+    generated_into: Path,
+    generated: dict[str, str] | None = None,
+    version: int = 2,
 ) -> tuple[list[Path], list[Path]]:
     """Writes the generated files; returns the C sources and the folders of headers, ready for a compiler."""
-    files = {"block.h": block_header(interface, guid), "table.c": table(interface)}
+    files = {"block.h": block_header(interface, guid, version), "table.c": table(interface)}
+    shells = [SHELL]
+    if version == 3:
+        files["arrays.c"] = arrays(interface)
+        shells.append(SHELL_3)
     files |= generated_sources(interface, folder) if generated is None else generated
     written = _written(files, generated_into)
     native = folder / "native"
-    compiled = [*sorted(SHELL.glob("*.c")), *sorted(native.rglob("*.c")), *written]
-    return compiled, [SHELL, COMMON, generated_into, native]
+    of_shells = [path for shell in shells for path in sorted(shell.glob("*.c"))]
+    return [*of_shells, *sorted(native.rglob("*.c")), *written], [*shells, COMMON, generated_into, native]
 
 
 def _written(files: dict[str, str], into: Path) -> list[Path]:
@@ -100,8 +127,9 @@ def generated_sources(interface: Interface, folder: Path) -> dict[str, str]:
     return made
 
 
-def _digest(interface: Interface, folder: Path, generated: dict[str, str]) -> str:
-    digest = hashlib.sha256(f"{compiler()}\n{FLAGS}\n{PLATFORMS}\n{CAPABILITIES}\n{interface.source}".encode())
+def _digest(interface: Interface, folder: Path, generated: dict[str, str], version: int) -> str:
+    made_by = f"{compiler()}\n{FLAGS}\n{PLATFORMS}\n{CAPABILITIES}\nFMI {version}\n{interface.source}"
+    digest = hashlib.sha256(made_by.encode())
     paths = [path for path in sources(folder) if path.suffix in (".c", ".h")]
     for name, data in [
         *((path.name, path.read_bytes()) for path in paths),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import textwrap
 
+from ..contents.description3 import parts
 from ..interface import ABSENT_MIN, Element, Interface, InterfaceError, Variable, citations, optional_text
 from ..variables import Causality
 
@@ -99,7 +100,7 @@ def _member(interface: Interface, variable: Variable) -> str:
     return "\n".join([*lines, f"    {_C_TYPES[variable.type]} {variable.name}{dimensions};"])
 
 
-def block_header(interface: Interface, guid: str) -> str:
+def block_header(interface: Interface, guid: str, version: int = 2) -> str:
     """block.h: the block's structures and functions by the names that the shell uses.
 
     A block whose state has room at its end that is rarely in use says by NAME_STATE_USED how much is.
@@ -111,13 +112,14 @@ def block_header(interface: Interface, guid: str) -> str:
     calls += (
         f"\n#ifdef {used}\n#define block_state_used {used}\n#else\n#define block_state_used(x) sizeof(State)\n#endif"
     )
-    return f'#include "{name}.h"\n\n{identity(interface, guid)}\n\n{types}\n\n{calls}\n'
+    return f'#include "{name}.h"\n\n{identity(interface, guid, version)}\n\n{types}\n\n{calls}\n'
 
 
-def identity(interface: Interface, guid: str) -> str:
-    """The part of block.h that says which FMU it is and how long its tables are."""
+def identity(interface: Interface, guid: str, version: int = 2) -> str:
+    """The part of block.h that says which FMU it is, of which version of FMI, and how long its tables are."""
     sizes = {"VARIABLES": len(interface.elements), "REAL_OUTPUTS": len(_real_outputs(interface))}
-    return f'#define BLOCK_GUID "{guid}"\n' + "\n".join(f"#define BLOCK_{key} {n}u" for key, n in sizes.items())
+    head = f'#define BLOCK_GUID "{guid}"\n#define BLOCK_FMI {version}\n'
+    return head + "\n".join(f"#define BLOCK_{key} {n}u" for key, n in sizes.items())
 
 
 def table(interface: Interface) -> str:
@@ -139,6 +141,19 @@ const Variable variables[BLOCK_VARIABLES] = {{
 
 const uint16_t real_outputs[BLOCK_REAL_OUTPUTS] = {{{", ".join(map(str, _real_outputs(interface)))}}};
 """
+
+
+def arrays(interface: Interface) -> str:
+    """arrays.c: the variables as FMI 3.0 has them, at the places of their first elements."""
+    rows: list[tuple[int, str]] = []
+    for variable in interface.variables.values():
+        for elements in parts(variable):
+            rows += [(len(elements), _ARRAYS[variable.type]), *[(0, "NONE")] * (len(elements) - 1)]
+    listed = textwrap.fill(", ".join(f"{{{size}, ARRAY_{kind}}}" for size, kind in rows), 110)
+    return f'#include "fmi3.h"\n\nconst Array arrays[BLOCK_VARIABLES] = {{\n{listed}}};\n'
+
+
+_ARRAYS = {"real": "FLOAT64", "integer": "INT32", "enumeration": "INT64", "boolean": "BOOLEAN", "string": "STRING"}
 
 
 def _real_outputs(interface: Interface) -> list[int]:

@@ -56,6 +56,8 @@ class Platform:
     link: tuple[str, ...] = ()
     system: tuple[str, ...] = ()
     """Options for what is linked with the operating system's own libraries."""
+    memory: tuple[str, ...] = ()
+    """Options for what asks the operating system for memory and for nothing else."""
     blocks: tuple[str, ...] = ()
     """Options for the blocks' code, which make it quicker and leave the bits alone: all sources as one,
     where zig's linker can."""
@@ -66,9 +68,14 @@ PLATFORMS: Mapping[str, Platform] = {
     "linux64": Platform(".so", ("x86_64-linux-gnu.2.17",), _ELF, blocks=("-flto",)),
     # FMI 2.0 has no name for it; this is that of FMI 3.0.
     "aarch64-linux": Platform(".so", ("aarch64-linux-gnu.2.17",), _ELF, blocks=("-flto",)),
-    "win64": Platform(".dll", ("x86_64-windows-gnu",), system=("-nostdlib", "-lkernel32", "-lws2_32")),
+    "win64": Platform(
+        ".dll", ("x86_64-windows-gnu",), system=("-nostdlib", "-lkernel32", "-lws2_32"), memory=("-lkernel32",)
+    ),
     "darwin64": Platform(
-        ".dylib", ("x86_64-macos.11.0", "aarch64-macos.11.0"), ("-Wl,-install_name,@rpath/{library}",)
+        ".dylib",
+        ("x86_64-macos.11.0", "aarch64-macos.11.0"),
+        ("-Wl,-install_name,@rpath/{library}",),
+        memory=("-lSystem",),
     ),
 }
 
@@ -94,16 +101,50 @@ def compile_library(
 
     `hosted`: it uses the operating system, and the C library where that is a part of it.
     """
+    made = compile_slices(name, sources, includes, platforms, hosted)
+    return {platform: universal(list(slices.values())) for platform, slices in made.items()}
+
+
+def suffix_of(place: str) -> str:
+    """Of the libraries in a folder of binaries, by FMI 2.0's name (win64) or FMI 3.0's (x86_64-windows)."""
+    return ".dll" if "win" in place.replace("darwin", "") else ".dylib" if "darwin" in place else ".so"
+
+
+def compile_slices(
+    name: str,
+    sources: Sequence[Path],
+    includes: Sequence[Path],
+    platforms: Iterable[str],
+    hosted: bool = False,
+    asks_memory: bool = False,
+) -> dict[str, dict[str, bytes]]:
+    """The shared libraries of each of the platforms, by FMI 3.0's names of system and processor (x86_64-linux).
+
+    `hosted`: as in `compile_library`; `asks_memory`: it asks the operating system for memory. Raises CompilerError.
+    """
     wanted = list(platforms)
     if unknown := [p for p in wanted if p not in PLATFORMS]:
         raise CompilerError(f"platform {unknown[0]!r}: expected {', '.join(PLATFORMS)}")
     if zig() is None:
-        return {host_platform(): _with_system_compiler(name, sources, includes, wanted)}
+        processor = "aarch64" if platform.machine().lower() in ("aarch64", "arm64") else "x86_64"
+        here = f"{processor}-{platform.system().lower()}"
+        return {host_platform(): {here: _with_system_compiler(name, sources, includes, wanted)}}
     jobs = [(p, target) for p in wanted for target in PLATFORMS[p].targets]
-    one = _hosted if hosted else _freestanding
+
+    def one(job: tuple[str, str]) -> bytes:
+        if hosted:
+            return _hosted(name, sources, includes, *job)
+        return _freestanding(name, sources, includes, *job, PLATFORMS[job[0]].memory if asks_memory else ())
+
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 2) as pool:
-        slices = dict(zip(jobs, pool.map(lambda job: one(name, sources, includes, *job), jobs), strict=True))
-    return {p: universal([slices[p, target] for target in PLATFORMS[p].targets]) for p in wanted}
+        slices = dict(zip(jobs, pool.map(one, jobs), strict=True))
+    return {p: {_tuple(target): slices[p, target] for target in PLATFORMS[p].targets} for p in wanted}
+
+
+def _tuple(target: str) -> str:
+    """FMI 3.0's name of one of zig's targets."""
+    processor, system = target.split("-")[:2]
+    return f"{processor}-{'darwin' if system.startswith('macos') else system}"
 
 
 def zig() -> Path | None:
@@ -139,7 +180,14 @@ def run_program(sources: Sequence[Path], includes: Sequence[Path]) -> str:
         return subprocess.run([program], capture_output=True, text=True, check=False).stdout
 
 
-def _freestanding(name: str, sources: Sequence[Path], includes: Sequence[Path], platform: str, target: str) -> bytes:
+def _freestanding(
+    name: str,
+    sources: Sequence[Path],
+    includes: Sequence[Path],
+    platform: str,
+    target: str,
+    more: Sequence[str] = (),
+) -> bytes:
     files = [*sources, *sorted(FREESTANDING.glob("*.c"))]
     arguments: list[str | Path] = [
         *PLATFORMS[platform].blocks,
@@ -147,6 +195,7 @@ def _freestanding(name: str, sources: Sequence[Path], includes: Sequence[Path], 
         "-nostdlib",
         *(f"-I{path}" for path in (FREESTANDING, *includes)),
         *files,
+        *more,
     ]
     return shared_library(name + PLATFORMS[platform].suffix, platform, target, arguments)
 

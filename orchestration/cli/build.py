@@ -27,12 +27,14 @@ from .paths import PATH
         "orchestrate build",
         "orchestrate build plant allocator",
         "orchestrate build --flavour python -o fmus",
+        "orchestrate build --fmi 3",
         "orchestrate build controller --sources flight/controller",
     ),
 )
 @click.argument("blocks", nargs=-1, metavar="[BLOCK]...")
 @FLAVOUR
-@out_folder("Folder for the FMUs; default: out/fmus/FLAVOUR.")
+@click.option("--fmi", type=click.Choice(["2", "3"]), default="2", show_default=True, help="Version of FMI.")
+@out_folder("Folder for the FMUs; default: out/fmus/FLAVOUR, with --fmi 3 out/fmus/fmi3.")
 @click.option(
     "--sources",
     type=PATH,
@@ -40,19 +42,19 @@ from .paths import PATH
     help="Write the C of one block for a flight project instead: build files, reference vectors with a runner, bill of "
     "materials, reports.",
 )
-def command(blocks: tuple[str, ...], flavour: str, out: Path | None, sources: Path | None) -> None:
+def command(blocks: tuple[str, ...], flavour: str, fmi: str, out: Path | None, sources: Path | None) -> None:
     """Build the project's own blocks as FMUs."""
     for block in blocks:
         if block not in BLOCKS:
             raise InputError(f"there is no block {block!r}{hint(block, BLOCKS)}")
     if sources is not None:
-        if len(blocks) != 1 or flavour != "native" or out is not None:
-            raise InputError("--sources DIR: expected one block, and neither --out nor --flavour python")
+        if len(blocks) != 1 or flavour != "native" or fmi != "2" or out is not None:
+            raise InputError("--sources DIR: expected one block, and neither --out, --fmi nor --flavour python")
         _write_sources(blocks[0], sources)
         return
     try:
         with writing(out or Path("out/fmus")):
-            paths = build_fmus(blocks or None, flavour, out)
+            paths = build_fmus(blocks or None, flavour, out, int(fmi))
     except BuildError as error:
         raise InputError(str(error)) from None
     for path in paths.values():

@@ -5,7 +5,9 @@
 
 #include <stddef.h>
 
-#if defined(_WIN32)
+#if defined(BLOCK_FMI) && BLOCK_FMI == 3
+#define FMI2_EXPORT /* only FMI 3.0's functions are exported, which call these */
+#elif defined(_WIN32)
 #define FMI2_EXPORT __declspec(dllexport)
 #else
 #define FMI2_EXPORT __attribute__((visibility("default")))

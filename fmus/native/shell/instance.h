@@ -68,6 +68,7 @@ typedef struct {
     bool log_events;  /* errors are always logged */
     fmi2CallbackFunctions callbacks;
     char name[NAME_SIZE];
+    const char *called; /* the function of FMI 3.0 that the host called; NULL with FMI 2.0 */
 } Instance;
 
 /* A message under construction; what does not fit is cut. */
@@ -78,6 +79,9 @@ typedef struct {
 
 Message message(const char *text);
 void put(Message *m, const char *text);
+
+/* A message that begins with the name of the function: the host's, where it is not the one that gives it. */
+Message about(const Instance *c, const char *function);
 void put_number(Message *m, double x);
 
 /* Each logs and returns fmi2Error, so that a function can end with `return refuse(...)`. */

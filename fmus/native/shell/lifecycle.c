@@ -27,7 +27,7 @@ Instance *enter(fmi2Component component, const char *function, unsigned modes, f
         return NULL;
     }
     if ((modes & (1u << c->memory.mode)) == 0u) {
-        Message m = message(function);
+        Message m = about(c, function);
         put(&m, ": not allowed ");
         put(&m, now[c->memory.mode]);
         refuse(c, &m);

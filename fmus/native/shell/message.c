@@ -13,6 +13,11 @@ Message message(const char *text)
     return m;
 }
 
+Message about(const Instance *c, const char *function)
+{
+    return message(c->called != NULL ? c->called : function);
+}
+
 void put(Message *m, const char *text)
 {
     for (; *text != '\0' && m->length + 1 < sizeof m->text; ++text) {
@@ -108,7 +113,8 @@ void put_number(Message *m, double x)
     }
 }
 
-/* The logger takes a printf format: a % of a caller's text is doubled, as is FMI's # before a value reference. */
+/* FMI 2.0's logger takes a printf format: a % of a caller's text is doubled, as is its # before a value reference. With
+ * FMI 3.0 the functions in the text have the names of that version. */
 static void send(const Instance *c, fmi2Status status, const char *category, const char *text)
 {
     Message m = message("");
@@ -116,9 +122,13 @@ static void send(const Instance *c, fmi2Status status, const char *category, con
         return;
     }
     for (; *text != '\0'; ++text) {
-        const char one[3] = {*text, (*text == '%' || *text == '#') ? *text : '\0', '\0'};
+        const bool doubled = BLOCK_FMI == 2 && (*text == '%' || *text == '#');
+        const char one[3] = {*text, doubled ? *text : '\0', '\0'};
         if (m.length + 3 < sizeof m.text) {
             put(&m, one);
+        }
+        if (BLOCK_FMI == 3 && m.length >= 4 && memcmp(&m.text[m.length - 4], "fmi2", 4) == 0) {
+            m.text[m.length - 1] = '3';
         }
     }
     c->callbacks.logger(c->callbacks.componentEnvironment, c->name, status, category, m.text);
@@ -132,7 +142,7 @@ fmi2Status refuse(const Instance *c, const Message *m)
 
 fmi2Status refuse_text(const Instance *c, const char *function, const char *text)
 {
-    Message m = message(function);
+    Message m = about(c, function);
     put(&m, ": ");
     put(&m, text);
     return refuse(c, &m);
@@ -140,7 +150,7 @@ fmi2Status refuse_text(const Instance *c, const char *function, const char *text
 
 fmi2Status refuse_fault(const Instance *c, const char *function, const Fault *f)
 {
-    Message m = message(function);
+    Message m = about(c, function);
     put(&m, ": ");
     put(&m, f->name);
     put(&m, ": expected ");
@@ -160,7 +170,7 @@ static const char *const kinds[] = {"real", "integer", "boolean", "string"};
 
 fmi2Status refuse_variable(const Instance *c, const char *function, const Variable *v, const char *text)
 {
-    Message m = message(function);
+    Message m = about(c, function);
     put(&m, ": ");
     put(&m, v->name);
     put(&m, " ");
@@ -184,7 +194,7 @@ bool refuse_reference(const Instance *c, const char *function, fmi2ValueReferenc
 
 fmi2Status refuse_value(const Instance *c, const char *function, const Variable *v, double value)
 {
-    Message m = message(function);
+    Message m = about(c, function);
     put(&m, ": ");
     put(&m, v->name);
     put(&m, ": expected ");
