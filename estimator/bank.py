@@ -156,14 +156,17 @@ def started(b_B: Floats, B_N: Floats, noise: Noise, turns: int = TURNS, scales: 
 
 def propagate(x: Bank, before: Floats, now: Floats, h: float, noise: Noise, since: float | None = None) -> None:
     """Over h s, by the measured rates (3,), rad/s, of the last measurement and of this one, `since` s apart; h by
-    default, 0 where there is no new one."""
+    default, 0 where there is no new one.
+
+    The body turns by the rate of before; what a rate that is linear over `since` adds is made up for at its end, with
+    the turn of the body meanwhile, so a gap of several turns does not spoil it.
+    """
     rate = (before - x.bias) / (1.0 + x.scale)
     after = (now - x.bias) / (1.0 + x.scale)
-    turn = h * rate + 0.5 * (h if since is None else since) * (after - rate) + h * h / 12.0 * np.cross(rate, after)
     middle = 0.5 * (rate + after)
-    step = exp(turn)
+    step = exp(h * rate) @ exp(_made_up(rate, after - rate, h if since is None else since))
     x.R = x.R @ step
-    Jr = right_jacobian(turn)
+    Jr = right_jacobian(h * middle)
     F = np.zeros_like(x.P)
     F[:, range(9), range(9)] = 1.0
     F[:, :3, :3] = step.transpose(0, 2, 1)
@@ -172,6 +175,18 @@ def propagate(x: Bank, before: Floats, now: Floats, h: float, noise: Noise, sinc
     x.P = F @ x.P @ F.transpose(0, 2, 1)
     x.P[:, [0, 1, 2], [0, 1, 2]] += noise.angle**2 * h
     x.P[:, [3, 4, 5], [3, 4, 5]] += noise.bias_walk**2 * h
+
+
+def _made_up(rate: Floats, change: Floats, since: float) -> Floats:
+    """(k,3) rad: the integral of exp(-rate^ (since - t)) change t/since over `since`, in closed form."""
+    if since == 0.0:
+        return np.zeros_like(rate)
+    angle = np.maximum(np.linalg.norm(rate, axis=1)[:, None] * since, 1e-3)
+    w = angle / since
+    across = np.cross(rate, change)
+    normal = -np.cross(rate, across) / w**2
+    turned = (1.0 - np.cos(angle)) / (angle * w) - 0.5 * since
+    return np.asarray(0.5 * since * change + turned * normal - (1.0 - np.sin(angle) / angle) / w**2 * across)
 
 
 def by_field(x: Bank, b_B: Floats, B_N: Floats, noise: Noise) -> Floats:

@@ -64,6 +64,19 @@ static Vector true_rate(Vector measured, const BankFilter *filter)
     return (Vector){rate.x / (1.0 + k.x), rate.y / (1.0 + k.y), rate.z / (1.0 + k.z)};
 }
 
+/* rad: the integral of exp(-rate^ (since - t)) change t/since over `since`, in closed form. */
+static Vector made_up(Vector rate, Vector change, double since)
+{
+    if (!(since > 0.0)) {
+        return (Vector){0.0, 0.0, 0.0};
+    }
+    const double angle = larger(norm(rate) * since, 1e-3), w = angle / since;
+    const Vector across = cross(rate, change), normal = scale(-1.0 / (w * w), cross(rate, across));
+    const double turned = (1.0 - cos(angle)) / (angle * w) - 0.5 * since;
+    const Vector turn = add(scale(0.5 * since, change), scale(turned, normal));
+    return subtract(turn, scale((1.0 - sin(angle) / angle) / (w * w), across));
+}
+
 /* I - (1 - cos a)/a^2 v^ + (a - sin a)/a^3 v^ v^: exp(v + d) is exp(v) exp(this d) to first order in d. */
 static Matrix right_jacobian_of_turn(Vector v)
 {
@@ -106,10 +119,10 @@ void estimator_bank_propagate(Vector now, double h, double since, const BankNois
     for (int32_t k = 0; k < bank->count; ++k) {
         BankFilter *filter = &bank->of[k];
         const Vector rate = true_rate(bank->rate, filter), after = true_rate(now, filter);
-        Vector turn = add(scale(h, rate), scale(0.5 * since, subtract(after, rate)));
-        turn = add(turn, scale(h * h / 12.0, cross(rate, after)));
         const Vector middle = scale(0.5, add(rate, after));
-        const Matrix step = rotation_exp(turn), J = right_jacobian_of_turn(turn);
+        const Vector more = made_up(rate, subtract(after, rate), since);
+        const Matrix step = multiply(rotation_exp(scale(h, rate)), rotation_exp(more));
+        const Matrix J = right_jacobian_of_turn(scale(h, middle));
         double T[3][ERROR_STATES], A[3][3], B[3][3];
         store_matrix(transposed(step), A);
         store_matrix(J, B);

@@ -1,9 +1,10 @@
-"""A record through the shipped estimator in C: its columns, calibrated, in the place of sensors, by a scenario."""
+"""A record through the shipped estimator in C: its columns, calibrated, in the place of sensors, by a scenario.
+
+The estimator starts from nothing, by its bank; gyro bias and scale are its own. Photodiodes are left out."""
 
 from __future__ import annotations
 
 import csv
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -22,14 +23,8 @@ TESLA = 1e-7
 """Of the columns' unit, mG."""
 
 
-def scenario(
-    file: Path, orbit: Path, flight: Flight, calibration: Calibration, gyro: Attitudes, noise: Noise
-) -> dict[str, Any]:
-    """The scenario of a record: telemetry and ephemeris in the place of sensors, with what the calibrations wrote."""
-    rate = COLUMNS["omega_B_measured"] | {
-        "offset": np.degrees(gyro.bias).tolist(),
-        "matrix": np.diag(1.0 / (1.0 + gyro.scale)).tolist(),
-    }
+def scenario(file: Path, orbit: Path, flight: Flight, calibration: Calibration, noise: Noise) -> dict[str, Any]:
+    """The scenario of a record: telemetry and ephemeris in the place of sensors, the magnetometer as calibrated."""
     field = COLUMNS["b_B_measured"] | {
         "offset": np.column_stack((calibration.knots, (calibration.bias + calibration.drift) / TESLA)).tolist(),
         "matrix": calibration.A.tolist(),
@@ -48,7 +43,7 @@ def scenario(
                 "telemetry": {
                     "file": str(file),
                     "time": {"column": "unix_s", "scale": "UTC"},
-                    "columns": {"omega_B_measured": rate, "b_B_measured": field},
+                    "columns": {"omega_B_measured": COLUMNS["omega_B_measured"], "b_B_measured": field},
                 }
             },
             "gnss": {"telemetry": {"file": str(orbit), "time": {"column": "t", "scale": "elapsed"}, "columns": place}},
@@ -59,8 +54,11 @@ def scenario(
                     "field_noise": noise.field,
                     "field_degree": 13,
                     "angle_random_walk": noise.angle,
-                    "rate_bias_sigma": noise.bias / 10.0,
-                    "rate_random_walk": 10.0 * noise.bias_walk,
+                    "rate_random_walk": noise.bias_walk,
+                    "rate_bias_sigma": noise.bias,
+                    "rate_scale_sigma": noise.scale,
+                    "gate": noise.gate,
+                    "bank": True,
                 },
             },
         },
@@ -71,25 +69,26 @@ def scenario(
             *(f"gnss.{name}_measured -> estimator.{name}_measured" for name in ("r_N", "v_N")),
             "gnss.r_N_measured_sample -> estimator.orbit_sample",
         ],
-        "record": {"signals": ["estimator.R_NB", "estimator.attitude_valid", "estimator.rate_bias_B", "estimator.nis"]},
+        "record": {
+            "signals": [f"estimator.{name}" for name in ("R_NB", "omega_B", "nis", "ambiguity", "attitude_valid")]
+            + [f"estimator.{name}" for name in ("rate_bias_B", "rate_scale_B")]
+        },
     }
 
 
-def through_the_estimator(
-    file: Path, flight: Flight, calibration: Calibration, gyro: Attitudes, noise: Noise
-) -> Attitudes:
-    """Its attitudes at the record's rows; unique where it says that its attitude is valid."""
+def through_the_estimator(file: Path, flight: Flight, calibration: Calibration, noise: Noise) -> Attitudes:
+    """Its attitudes at the record's rows; ambiguous where it says that its attitude is not valid."""
     with TemporaryDirectory() as folder:
         orbit = Path(folder, "orbit.csv")
         with orbit.open("w", newline="", encoding="utf-8") as out:
             writer = csv.writer(out, lineterminator="\n")
             writer.writerow(["t", *(f"{name}{i}" for name in ("r_N", "v_N") for i in "123")])
             writer.writerows(np.column_stack((flight.t, flight.orbit.r_N, flight.orbit.v_N)).tolist())
-        result = run(scenario(file.resolve(), orbit, flight, calibration, gyro, noise))
-    column = {label: i for i, label in enumerate(result.labels)}
+        result = run(scenario(file.resolve(), orbit, flight, calibration, noise))
     rows = np.rint(flight.t).astype(int)
-    R = result.samples[:, [column[f"estimator.R_NB[{i}][{j}]"] for i in (1, 2, 3) for j in (1, 2, 3)]][rows]
-    valid = result.samples[rows, column["estimator.attitude_valid"]] > 0.5
-    nis = result.samples[rows, column["estimator.nis[1]"]]
-    bias = result.samples[-1, [column[f"estimator.rate_bias_B[{i}]"] for i in (1, 2, 3)]]
-    return replace(gyro, R=R.reshape(-1, 3, 3), ambiguity=np.where(valid, 0.0, np.pi), nis=nis, bias=bias)
+    of = {name: result[f"estimator.{name}"][rows] for name in ("R_NB", "omega_B", "nis", "ambiguity", "attitude_valid")}
+    bias, scale = (result[f"estimator.{name}"][-1] for name in ("rate_bias_B", "rate_scale_B"))
+    ambiguity = np.where(of["attitude_valid"] > 0.5, of["ambiguity"], np.pi)
+    strain = max(float(np.abs(bias).max()) / noise.bias, float(np.abs(scale).max()) / noise.scale)
+    nothing = np.full((6, 6), np.nan)
+    return Attitudes(of["R_NB"], of["omega_B"], ambiguity, of["nis"][:, 0], bias, scale, nothing, strain)

@@ -61,7 +61,7 @@ def study(folder: Path, cases: int, jobs: int, split: bool) -> Study:
         others = [k for k in range(len(flown)) if k != i]
         shown.append(long_record(flight, [own[k] for k in others], [flown[k].name for k in others], full, Noise()))
     through = [
-        through_the_estimator(folder / f"{s.flight.name}.csv", s.flight, symmetric(s.calibration), s.attitude, Noise())
+        through_the_estimator(folder / f"{s.flight.name}.csv", s.flight, symmetric(s.calibration), Noise())
         for s in shown
     ]
     parts = halves(flown, full) if split else []
