@@ -5,8 +5,13 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: run check test thorough lint fmus bench torture mutants coverage figures reproduction flight pil prove trace references release format docs site authorities clean
+.PHONY: help run check test thorough lint fmus bench torture mutants coverage figures reproduction flight pil prove trace references release format docs site authorities clean
 
+# Each target with the comment above it.
+help:
+	@awk '/^#/ {said = said " " substr($$0, 3); next} /^[a-z]+:/ && said {sub(/:.*/, ""); printf "make %-13s%s\n", $$0, said} {said = ""}' Makefile
+
+# The paper's first scenario, in an environment of its own: what README starts with.
 run: $(VENV)/run
 	@$(BIN)/orchestrate scenarios/paper_no_singularity.yaml
 
@@ -26,6 +31,7 @@ test: lint
 thorough: $(VENV)/test
 	$(PYTEST) -m thorough
 
+# Format, lint, types and layers.
 lint: $(VENV)/test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -33,10 +39,12 @@ lint: $(VENV)/test
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
 
+# All FMUs, in out/fmus.
 fmus: $(VENV)/run
 	$(BIN)/orchestrate build
 	$(BIN)/orchestrate build --flavour python
 
+# The speed of loops, blocks and tools on this machine.
 bench: $(VENV)/test
 	$(BIN)/python -m tests.bench
 
@@ -95,6 +103,7 @@ release: $(VENV)/test
 	$(BIN)/python -m build --no-isolation
 	$(BIN)/python -m release files dist
 
+# Formats Python and C, and corrects what the linter can.
 format: $(VENV)/test
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
@@ -119,6 +128,7 @@ references: $(VENV)/test
 site: $(VENV)/docs
 	$(BIN)/python -m docs.site
 
+# Removes the environment and all that was made.
 clean:
 	rm -rf $(VENV) out dist results
 

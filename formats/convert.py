@@ -14,6 +14,8 @@ from orchestration.errors import InputError, Place, Problem, writing
 from orchestration.results.data import RunData
 from orchestration.results.place import FILES, MANIFEST
 from orchestration.results.whole import putting
+from orchestration.scenario.scenario import Scenario
+from orchestration.session.open import open_fmus
 from orchestration.session.read import load
 
 from . import ccsds, foxglove, hdf5, spice
@@ -119,6 +121,18 @@ def difference(
     )
 
 
+def _check_goal(loaded: Scenario, block: str, port: str, goal: str) -> None:
+    """Raises InputError where the block has no such input of nine numbers."""
+    try:
+        model = open_fmus(loaded)[block].model
+        variable, positions = model.find(block, port, of=["input"], kind="input")
+    except InputError as error:
+        raise InputError(*(problem.at(Place("--goal")) for problem in error.problems)) from None
+    if variable.causality != "input" or len(positions) != 9:
+        expected, found = "an input that is a real [3, 3]", f"{goal}, {variable.causality}, {variable.kind}"
+        raise InputError(Problem(expected=expected, found=found, place=Place("--goal")))
+
+
 def timeline(ephemeris: Path, scenario: Path, out: Path, goal: str, epoch: str) -> int:
     """Writes a scenario that extends another by the attitudes of an AEM, as values of an input; returns their number.
 
@@ -130,6 +144,7 @@ def timeline(ephemeris: Path, scenario: Path, out: Path, goal: str, epoch: str) 
     if block not in loaded.blocks or not port:
         expected, found = f"BLOCK.INPUT, a block of {', '.join(loaded.blocks)}", goal
         raise InputError(Problem(expected=expected, found=found, place=Place("--goal")))
+    _check_goal(loaded, block, port, goal)
     starts = {name: {**loaded.shared, **entry.start} for name, entry in loaded.blocks.items()}
     parameters = {name: {str(key): value for key, value in start.items()} for name, start in starts.items()}
     zero = epoch_of(Recorded(loaded.name, np.zeros(0), {}, parameters=parameters), epoch)

@@ -32,6 +32,8 @@ from .records import Flight, read
 
 NOT_SHOWN = 1
 FILE = click.Path(path_type=Path, exists=False)
+_ROWS_MAX = 10_000_000
+"""Of an ephemeris: half a gigabyte."""
 OUT = click.option("--out", type=FILE, metavar="FILE", help="Also write the result as JSON.")
 
 
@@ -166,11 +168,13 @@ def ephemeris(tle: Path, start: str, duration: str, step: str, out: Path) -> Non
     """
     try:
         epoch = parse_epoch(start)
-        length, interval = value_in(duration, SECOND), value_in(step, SECOND)
     except ValueError as error:
-        raise InputError(f"--start, --duration, --step: {error}") from None
-    if not 0.0 < interval <= length:
-        raise InputError(f"--step {step}: expected above 0 and at most the duration")
+        raise InputError(f"--start {start}: {error}") from None
+    length, interval = _seconds("--duration", duration), _seconds("--step", step)
+    if interval > length:
+        raise InputError(f"--step {step}: expected at most --duration, {duration}")
+    if length > _ROWS_MAX * interval:
+        raise InputError(f"--duration {duration}: expected at most {_ROWS_MAX:,} steps of {step}")
     orbit = orbit_at(read_elements(tle), epoch, np.arange(0.0, length + 0.5 * interval, interval))
     with writing(out), out.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -182,6 +186,17 @@ def ephemeris(tle: Path, start: str, duration: str, step: str, out: Path) -> Non
     )
     say("plant: {orbit_start: position_velocity, epoch: '" + f"{epoch:%Y-%m-%dT%H:%M:%S}Z', ")
     say(f"        r_N0: {orbit.r_N[0].round(3).tolist()}, v_N0: {orbit.v_N[0].round(6).tolist()}}}")
+
+
+def _seconds(option: str, text: str) -> float:
+    """A time above zero. Raises InputError."""
+    try:
+        value = value_in(text, SECOND)
+    except QuantityError as error:
+        raise InputError(f"{option} {text}: {error}") from None
+    if not 0.0 < value < math.inf:
+        raise InputError(f"{option} {text}: expected a time above 0")
+    return value
 
 
 def _calibrated(flight: Flight, known: Calibration | None) -> Calibration:

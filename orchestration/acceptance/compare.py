@@ -131,7 +131,7 @@ def _differences(
             unit = shown(variable.unit)
             differences.append(Difference(variable.name, unit, True, bound.text, note="theirs lacks it"))
             continue
-        a = ours[f"{comparison.block}.{variable.name}"].reshape(len(ours.time), -1)[rows].astype(float)
+        a = ours.rows(f"{comparison.block}.{variable.name}")[rows]
         b = played.outputs[variable.name][chosen]
         differences.append(difference(variable, a, b, ours.time[rows], bound))
     return differences

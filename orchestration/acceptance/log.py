@@ -62,11 +62,11 @@ def against_log(fmu: Path, fitted: Fit, interface: str, path: Path, tolerance: f
         grid[place] = _in_unit(table[:, at : at + size], ports[name], log.telemetry, name, source)
         values[name] = grid
         at += size
-    inputs = {
-        name: _held(grid, name).reshape(count, *ports[name].shape).astype(ports[name].dtype)
-        for name, grid in values.items()
-        if ports[name].causality == "input"
-    }
+    inputs: dict[str, Any] = {}
+    for name in (name for name in values if ports[name].causality == "input"):
+        with source.naming(("telemetry", "columns", name)):
+            held = _held(values[name], name)
+        inputs[name] = held.reshape(count, *ports[name].shape).astype(ports[name].dtype)
     expected = {n: grid for n, grid in values.items() if ports[n].causality == "output" and np.isfinite(grid).any()}
     if not expected:
         raise InputError(source.error(("telemetry", "columns"), "expected an output with a value, found none"))

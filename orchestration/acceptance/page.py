@@ -86,7 +86,7 @@ def _output(comparison: Comparison, difference: Difference, made: Page) -> Marku
     factor, offset = (variable.unit or ONE).conversion(unit)
     theirs = comparison.played.outputs[name]
     at = comparison.played.rows[: len(theirs)]
-    mine = ours[f"{comparison.block}.{name}"].reshape(len(ours.time), -1)[at].astype(float)
+    mine = ours.rows(f"{comparison.block}.{name}")[at]
     labels = list(enumerate(variable.label(i) for i in range(min(mine.shape[1], CURVES))))
     stepped = variable.type != "real"
     both = [Curve(f"{label}, ours", factor * mine[:, i] + offset, i, True, stepped) for i, label in labels]

@@ -164,6 +164,7 @@ class Library:
         """Leaves the instance in `component`; None where the FMU gives none."""
         function = self.dll[self._version.instantiate]
         function.restype = c.c_void_p
+        log.folder = self._folder
         self.component = function(*self._version.arguments(name.encode(), token.encode(), self._folder, log))
 
     def free(self) -> None:

@@ -51,6 +51,8 @@ class Log:
         """`echo` prints each line, or does with it what it is."""
         self.name, self.echo = name, echo
         self.lines: deque[str] = deque(maxlen=LINES_MAX)
+        self.folder: Path | None = None
+        """Where the FMU is unpacked, for as long as it runs: its files are named as they stand in the archive."""
         self.key = max(_logs, default=0) + 1
         _logs[self.key] = self
 
@@ -76,7 +78,8 @@ class Log:
         _logs.pop(self.key, None)
 
     def add(self, status: int, message: str) -> None:
-        for line in message.rstrip().splitlines():
+        within = message if self.folder is None else message.replace(f"{self.folder}{os.sep}", "")
+        for line in within.rstrip().splitlines():
             line = shortened(line)
             self.lines.append(line if status == 0 else f"[{_STATUS[status] if status in range(6) else status}] {line}")
             if callable(self.echo):

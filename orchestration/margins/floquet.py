@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, Place, Problem
+from ..errors import InputError, Place, Problem, hint
 from ..fmu.model import Floats, NameUnknown, Variable
 from ..scenario.references import Reference
 from ..session.plan import Plan
@@ -147,7 +147,7 @@ def coordinates(plan: Plan, names: Sequence[str], option: str = "--state") -> Co
         try:
             reference = Reference(text)
             if reference.block not in plan.models:
-                raise NameUnknown(f"there is no block {reference.block!r}; the blocks are {', '.join(plan.models)}")
+                raise NameUnknown(f"there is no block {reference.block!r}{hint(reference.block, plan.models)}")
             variable, _ = plan.models[reference.block].find(reference.block, reference.variable, (), ("output",))
         except (NameUnknown, InputError) as error:
             raise InputError(Problem(str(error), place=Place(f"{option} {text}"))) from None

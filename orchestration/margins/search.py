@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import BlockError, InputError, Place, Problem
+from ..errors import BlockError, InputError, Place, Problem, hint
 from ..expectations.outcomes import ExpectationObserver
 from ..fmu.model import NameUnknown
 from ..scenario.references import Reference
@@ -144,7 +144,7 @@ def scaled(rig: Rig, name: str, factor: float) -> dict[str, list[Start]]:
         reference = Reference(name)
         model = plan.models.get(reference.block)
         if model is None:
-            raise NameUnknown(f"there is no block {reference.block!r}; the blocks are {', '.join(plan.models)}")
+            raise NameUnknown(f"there is no block {reference.block!r}{hint(reference.block, plan.models)}")
         variable, positions = model.find(reference.block, reference.variable, reference.indices, ("parameter",))
         if variable.type != "real" or variable.causality != "parameter":
             raise NameUnknown(f"{name} is {variable.kind}, {variable.causality}; expected a real parameter")

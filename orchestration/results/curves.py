@@ -26,7 +26,7 @@ def curves(result: RunData, reference: str, panel: Panel) -> tuple[Unit, list[tu
     variable = result.variable(reference)
     unit = unit_of(panel, variable)
     factor, offset = (variable.unit or ONE).conversion(unit)
-    values = result[reference].reshape(len(result.time), -1).astype(float)
+    values = result.rows(reference)
     if panel.measure == "norm":
         named = [(f"|{reference}|", np.sqrt((values * values).sum(axis=1)))]
     elif values.shape[1] == 1:

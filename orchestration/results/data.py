@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -66,6 +67,11 @@ class RunData(Mapping[str, NDArray[Any]]):
         is asked for.
         """
         return self.described(self)
+
+    def rows(self, name: str) -> Floats:
+        """Returns a signal's elements side by side (samples, elements), also where there is no sample."""
+        values = self[name]
+        return values.reshape(len(values), math.prod(values.shape[1:])).astype(float)
 
     @property
     def labels(self) -> list[str]:

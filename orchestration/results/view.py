@@ -169,7 +169,7 @@ def unit_of(variable: Variable) -> tuple[Unit, float]:
 def _vector(result: RunData, signal: Reference, along: Any, parameters: Mapping[str, Any]) -> tuple[str, Floats]:
     """Returns a vector's unit, and its components (n, 3) in that unit."""
     unit, factor = unit_of(result.variable(signal))
-    values = factor * result[signal].reshape(len(result.time), -1).astype(float)
+    values = factor * result.rows(signal)
     if along is not None:
         values = values @ np.array(directions(along, parameters))
     return shown(unit), np.where(np.isfinite(values), values, 0.0)

@@ -139,6 +139,9 @@ class Record:
         if not self.seen.rows:
             some = f" with {', '.join(f'{k} {v!r}' for k, v in self.entry.where.items())}" if self.entry.where else ""
             raise InputError(Problem(f"there are no rows{some}", place=Place(self.shown, self.header.line)))
+        if self.seen.last < 0.0:
+            text = f"start: expected at or before the last row, found {-self.seen.last:.6g} s after it"
+            raise InputError(Problem(text, place=Place(self.shown, self.header.line)))
 
     def _counted(self, table: Floats) -> Floats:
         at = 1
@@ -177,7 +180,7 @@ class Record:
     def _values(self, block: Block, at: int, times: Floats) -> Iterator[Floats]:
         for name, column in self.entry.columns.items():
             raw = np.column_stack([_floats(block, block.columns[at + i], cell) for i, cell in enumerate(column.of)])
-            raw[np.isin(raw, column.missing)] = np.nan
+            raw[np.isin(raw, column.missing) | ~np.isfinite(raw)] = np.nan  # 1e999 is no number either
             if column.required and len(bad := np.argwhere(~np.isfinite(raw))):
                 row, k = bad[0]
                 text = f"expected a value, since {name} is required, found {block.columns[at + k][row]!r}"

@@ -84,6 +84,23 @@ def test_an_ephemeris_becomes_the_goal_of_a_supervisor(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("goal", "message"),
+    [
+        ("superviser.R_goal", "--goal: expected BLOCK.INPUT, a block of"),
+        ("supervisor.R_gaol", "--goal: supervisor has no input 'R_gaol'; did you mean 'R_goal'?"),
+        ("supervisor.command", "--goal: expected an input that is a real [3, 3], found supervisor.command, input"),
+        ("supervisor.R_ref", "--goal: expected an input that is a real [3, 3], found supervisor.R_ref, output"),
+    ],
+)
+def test_a_goal_that_takes_no_attitude_is_refused(tmp_path, goal, message):
+    (tmp_path / "plan.aem").write_text("CCSDS_AEM_VERS = 1.0\n")
+    scenario = "scenarios/track_ground_station.yaml"
+    more = ("--scenario", scenario, "--out", tmp_path / "planned.yaml", "--goal", goal)
+    done = convert(tmp_path / "plan.aem", "--to", "timeline", *more)
+    assert (done.exit_code, message in done.stderr) == (2, True), done.stderr
+
+
+@pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["nothing", "--to", "aem"], "nothing: expected the folder of a run"),

@@ -61,3 +61,22 @@ def test_an_ephemeris_is_a_record_for_a_scenario(log):
     done = CliRunner().invoke(ephemeris, arguments, catch_exceptions=False)
     assert "orbit_start: position_velocity" in done.output
     assert (log.parent / "orbit.csv").read_text().startswith("t,r_N1 [m],r_N2 [m]")
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("--start", "now", "--start now: epoch: expected UTC in ISO 8601"),
+        ("--duration", "1x", "--duration 1x: unknown unit 'x'"),
+        ("--duration", "-5 s", "--duration -5 s: expected a time above 0"),
+        ("--duration", "1e12 s", "--duration 1e12 s: expected at most 10,000,000 steps of 10 s"),
+        ("--step", "0", "--step 0: expected a time above 0"),
+        ("--step", "70 s", "--step 70 s: expected at most --duration, 60 s"),
+    ],
+)
+def test_a_wrong_option_of_an_ephemeris_is_named(log, option, value, message):
+    given = {"--start": "2023-09-04T14:48:23Z", "--duration": "60 s", "--step": "10 s", option: value}
+    arguments = ["tle.txt", "--out", "orbit.csv", *(part for pair in given.items() for part in pair)]
+    done = CliRunner().invoke(ephemeris, arguments)
+    assert message in str(done.exception)
+    assert not (log.parent / "orbit.csv").exists()

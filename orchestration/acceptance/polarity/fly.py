@@ -91,6 +91,8 @@ class Loop:
         self.relations = self._relations()
         looks: list[Check | Relation] = [*self.plan.checks, *self.relations]
         self.watched = list(dict.fromkeys(node for look in looks for node in look.needed))
+        self.failure: BlockError | None = None
+        """What ended the run as wired, once it is flown."""
         self.margins: dict[str, float] = {}
         """How often larger the difference of each consistency check could be in the run as wired, once it is flown."""
 
@@ -124,6 +126,7 @@ class Loop:
         if failure is not None:
             found.append(Found("refused", f"{failure.block}: {failure.problem}", failure.time or 0.0))
         if port is None:
+            self.failure = failure
             self.margins = {observer.relation.name: observer.closest for observer in consistent}
         flown = self.plan.clock.time(max(detector.count - 1, 0))
         if not found:

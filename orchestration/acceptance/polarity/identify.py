@@ -71,7 +71,8 @@ class Identifier:
         nodes = list(dict.fromkeys(node for link in ours.plan.wiring.links for node in link.source))
         _, signals = ours.record(nodes)
         flown = flown_inputs(ours, block, signals)
-        lively = max(int(_LIVELY * len(next(iter(flown.values())))), INSTANTS)
+        count = len(next(iter(flown.values())))
+        lively = min(max(int(_LIVELY * count), INSTANTS), count)
         rows = np.unique(np.linspace(0, lively - 1, INSTANTS).astype(int))
         model = theirs.plan.models[block]
         self.inputs = {

@@ -60,6 +60,8 @@ def look(ours: Source, theirs: Source, blocks: Sequence[str]) -> Looked:
             looked.source = looked.source.with_entry(("blocks", block, "map"), found.mapping)
     if any(found.behaves for found in looked.mended):
         looked.left, _ = Loop(looked.source).fly()
+    elif loop.failure is not None and loop.failure.time is None:  # no wiring explains it: the FMU fails by itself
+        raise loop.failure
     return looked
 
 

@@ -66,6 +66,8 @@ def run(
     loop = Loop(source)
     scenario = loop.plan.scenario
     nominal, _ = loop.fly()
+    if loop.failure is not None and loop.failure.time is None:
+        raise loop.failure
     if nominal is not None:
         return Trials(scenario.name, scenario.duration, nominal, [], [], loop.notes, {})
     found = _chosen(ports_of(loop, blocks), chosen)

@@ -17,6 +17,7 @@ import pytest
 from fmus.build import ROOT, blocks_of
 from fmus.interface import parse
 from fmus.python.memory import ContractError, Layout
+from orchestration import BlockError, run
 
 from ..host import Host
 from ..toy import INTERFACE
@@ -29,6 +30,15 @@ def test_an_exception_in_a_step_is_logged_with_its_traceback_and_ends_as_an_erro
         assert message.startswith("toy: ValueError: rate: 100 %% wrong \\udc80\nTraceback")
         assert "block.py" in message
         assert "in step" in message
+
+
+def test_a_traceback_names_the_file_as_it_stands_in_the_archive(path: Path) -> None:
+    entry = {"fmu": str(path), "start": {"label": "fail", "hold": False, "rate": [1.0, 1.0]}}
+    with pytest.raises(BlockError) as failed:
+        run({"name": "failing", "step": 1.0, "duration": 1.0, "blocks": {"toy": entry}})
+    places = [line for line in failed.value.log if 'File "' in line]
+    assert places
+    assert all('File "resources/' in line for line in places)
 
 
 def test_after_an_error_the_instance_stands_where_it_stood_and_every_call_is_safe(path: Path) -> None:

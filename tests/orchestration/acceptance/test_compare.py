@@ -155,6 +155,19 @@ def test_a_failing_block_is_told_and_what_there_is_is_reported(tmp_path, monkeyp
     assert "an FMU failed" in Path("out/comparison.html").read_text()
 
 
+def test_one_that_fails_in_initialization_is_told_by_its_log_with_the_page_of_both(tmp_path, monkeypatch):
+    swapped(tmp_path, monkeypatch, scenario=SCENARIO + FIGURE)
+    fmus.write(Path("vendor.fmu"), vendor.description(), fmus.library("probe", "-DNO_START"))
+    result = orchestrate(*ARGUMENTS)
+    assert result.exit_code == 3, result.output
+    assert "theirs: regulator: fmi2EnterInitializationMode in initialization: gave status error" in result.stderr
+    assert "cannot begin, by" in result.stderr
+    assert "an FMU failed" in Path("out/comparison.html").read_text()
+    result = orchestrate("polarity", *ARGUMENTS[1:-1], "other")
+    assert result.exit_code == 3, result.output
+    assert "cannot begin, by" in result.stderr
+
+
 def test_where_ours_fails_its_run_is_kept_and_the_message_says_whose_it_is(tmp_path, monkeypatch):
     swapped(
         tmp_path,

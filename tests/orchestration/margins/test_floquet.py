@@ -77,6 +77,10 @@ def test_the_difference_of_rotations_is_their_rotation_vector(rng):
 
 def test_a_wrong_state_is_refused():
     plan = rig(periodic).session.opened.plan
-    for name, message in (("plant.u", "expected a whole real output"), ("plant.z", "plant has no output 'z'")):
+    for name, message in (
+        ("plant.u", "expected a whole real output"),
+        ("plant.z", "plant has no output 'z'"),
+        ("plane.x", "no block 'plane'; did you mean 'plant'"),
+    ):
         with pytest.raises(InputError, match=f"--state {name}: .*{message}"):
             coordinates(plan, [name])

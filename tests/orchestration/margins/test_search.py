@@ -77,7 +77,7 @@ def test_a_wrong_change_is_refused(text):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("plan.x", "there is no block 'plan'"),
+        ("plan.x", "there is no block 'plan'; did you mean 'plant'?"),
         ("plant.x", "plant has no parameter 'x'"),
         ("x", "expected block.variable"),
     ],

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fmus.build import ensure
-from orchestration import run
+from orchestration import InputError, run
 from orchestration.acceptance.check import check
 from orchestration.acceptance.log import against_log
 
@@ -59,3 +59,16 @@ def test_a_sign_in_the_log_is_found(log, tmp_path):
     (finding,) = against_log(fmu, fitted, "controller", tmp_path / "log.yaml", 1e-9)
     assert finding.level == "error"
     assert replace(finding).topic == "log"
+
+
+def test_an_input_of_the_log_without_a_sample_is_refused_at_its_line(log, tmp_path):
+    rows = list(csv.DictReader((log.parent / "log.csv").open(newline="")))
+    with (tmp_path / "log.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0])
+        writer.writeheader()
+        writer.writerows({**row, "omega_B1": "nan"} for row in rows)
+    (tmp_path / "log.yaml").write_text(log.read_text(), "utf-8")
+    fmu = ensure("controller")
+    _, fitted = check(fmu, "controller", tolerance=None)
+    with pytest.raises(InputError, match=r"log.yaml:6: telemetry.columns.omega_B: .*expected a sample, found none"):
+        against_log(fmu, fitted, "controller", tmp_path / "log.yaml", 1e-9)

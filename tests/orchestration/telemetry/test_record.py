@@ -36,6 +36,21 @@ def test_rows_keep_their_own_instants_and_values_that_are_missing_are_nan(tmp_pa
     assert record.seen.gap == (4.3, 5)
 
 
+def test_what_is_beyond_the_largest_number_is_missing(tmp_path):
+    record, table = read(tmp_path, "t,x,y\n0,1e999,2\n1,3,-inf\n2,1,1\n")
+    assert np.isnan(table[0, 1])
+    assert np.isnan(table[1, 2])
+    assert record.seen.missing == {"w": 2}
+
+
+def test_a_start_after_the_last_row_is_refused(tmp_path):
+    rows = "t,x,y\n0,1,2\n1,3,4\n"
+    assert "log.csv:1: start: expected at or before the last row, found 0.5 s after it" in refused(
+        tmp_path, rows, start=1.5
+    )
+    assert read(tmp_path, rows, start=1.0)[1][-1, 0] == 0.0
+
+
 def test_of_rows_of_one_instant_the_last_counts_and_older_rows_are_dropped(tmp_path):
     text = "t,x,y\n0,1,1\n1,2,2\n1,3,3\n0.5,4,4\n2,5,5\n"
     record, table = read(tmp_path, text)
