@@ -168,7 +168,7 @@ API void *fmi3InstantiateCoSimulation(const char *name, const char *token, const
     } else if (!load(resources)) {
         log(environment, ERROR, "logStatusError", "the block in the resources cannot be loaded");
     } else {
-        it->block = two.fmi2Instantiate(name, 1, token, "", &it->callbacks, 0, 1);
+        it->block = two.fmi2Instantiate(name, 1, token, resources, &it->callbacks, 0, 1);
     }
     if (!it->block) {
         free(it);

@@ -1,0 +1,105 @@
+"""Holds what the commands say of a vendor's FMU against its expected answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestration.acceptance.check import check
+from orchestration.acceptance.polarity.swaps import look
+from orchestration.acceptance.suggest import suggest
+from orchestration.fmu.interfaces import reference
+from orchestration.scenario.mapping import Mapping
+from orchestration.scenario.mapping import load as load_mapping
+from orchestration.scenario.source import Source
+from orchestration.swap.findings import Fit, Link
+from orchestration.swap.fit import fit
+from orchestration.swap.option import swapped, swaps_of
+
+from .kinds import Case
+
+SIZE = 0.1
+"""How near the size of a cause has to be, as a share of it."""
+
+
+@dataclass
+class Verdict:
+    """What was said, against what is to be said."""
+
+    proposed: bool | None = None
+    """Whether `check --suggest` proposed the right mapping; None where the FMU does not tell it."""
+    detected: bool | None = None
+    named: bool | None = None
+    false: list[str] = field(default_factory=list)
+    said: list[str] = field(default_factory=list)
+
+
+def judge(case: Case, path: Path, ours: Source) -> Verdict:
+    """Returns what the commands say of an FMU, as far as it is right."""
+    verdict = Verdict()
+    block = case.vendor.block
+    fitted = check(path, block)[1]
+    assert fitted is not None
+    text = suggest(fitted)
+    proposal = path.with_suffix(".yaml")
+    proposal.write_text(text, "utf-8")
+    mapping = load_mapping(proposal)[0]
+    after = fit(reference(block, Path()), fitted.theirs, mapping)
+    told = {name: truth for name, truth in case.truth.items() if name not in case.named}
+    if case.answer == "right":
+        wrong = [name for name, truth in told.items() if not serves(after, name, truth)]
+        verdict.proposed = not wrong
+        verdict.said += [f"proposal of {name}" for name in wrong]
+    looked = look(ours, swapped(ours, swaps_of([f"{block}={path}"], [f"{block}={proposal}"])), [block])
+    behaves: dict[str, str] = {}
+    final = after
+    for mended in looked.mended:
+        behaves |= mended.behaves
+        if mended.behaves:
+            final = fit(reference(block, Path()), fitted.theirs, Mapping.model_validate(mended.mapping))
+    verdict.said += [f"{port}: {text}" for port, text in behaves.items()]
+    causes = [cause for mended in looked.mended for cause in getattr(mended, "causes", ())]
+    verdict.said += [str(cause) for cause in causes]
+    verdict.detected = looked.wrong is not None or bool(causes)
+    for port in behaves:
+        if not serves(final, port, case.truth[port]):
+            verdict.false.append(f"{port}: {behaves[port]}")
+    for cause in causes:
+        if not any(_same(cause, expected) for expected in case.causes):
+            verdict.false.append(str(cause))
+    right = all(serves(final, port, case.truth[port]) for port in case.named)
+    found = all(any(_same(cause, expected) for cause in causes) for expected in case.causes)
+    verdict.named = None if case.answer in ("right", "silent") else right and found
+    if case.answer == "right":
+        verdict.detected = None
+    return verdict
+
+
+def serves(fitted: Fit, ours: str, truth: tuple[Any, ...]) -> bool:
+    """Whether a port is mapped as its truth says."""
+    link: Link | None = fitted.links.get(ours)
+    if link is None:
+        return False
+    if truth[0] == "linear":
+        if link.A is None or link.c is None:
+            return False
+        A, c = truth[1], truth[2]
+        alike = link.A.shape == A.shape and np.allclose(link.A, A, rtol=1e-6, atol=1e-9 * np.abs(A).max())
+        return alike and np.allclose(link.c, c, rtol=1e-6, atol=1e-9)
+    if truth[0] == "quaternion":
+        return link.A is None and (link.scalar_last, link.inverse) == truth[1:] and not getattr(link, "rotation", None)
+    if truth[0] == "rotation":
+        return getattr(link, "rotation", None) == truth[1] and link.inverse == truth[2]
+    return getattr(link, "turned", None) is not None
+
+
+def _same(cause: Any, expected: tuple[str, str, float]) -> bool:
+    kind, where, size = expected
+    if cause.kind != kind or cause.where.partition("[")[0] != where.partition("[")[0]:
+        return False
+    if "[" in where and "[" in cause.where and cause.where != where:
+        return False
+    return size == 0.0 or abs(cause.size - size) <= SIZE * abs(size)
