@@ -112,6 +112,65 @@ def euler(angles: Sequence[float], sequence: str) -> list[float]:
     return _product(_product(first, second), third) if sequence.isupper() else _product(_product(third, second), first)
 
 
+def angles(R: Sequence[float], sequence: str) -> list[float]:
+    """Returns the three angles, rad, of which `euler` makes this matrix; the second within -90..90 or 0..180 deg.
+
+    Where the first and the third turn about one line, the third is zero. Raises ValueError as `euler` does.
+    """
+    euler([0.0, 0.0, 0.0], sequence)
+    turned = sequence if sequence.isupper() else sequence[::-1].upper()
+    i, j, k = ("XYZ".index(letter) for letter in turned)
+    M, last = [list(R[3 * n : 3 * n + 3]) for n in range(3)], k
+    k = 3 - i - j
+    e = 1.0 if (j - i) % 3 == 1 else -1.0
+    if last == i:
+        size = math.hypot(M[j][i], M[k][i])
+        first, second = math.atan2(M[j][i], -e * M[k][i]), math.atan2(size, M[i][i])
+        third = math.atan2(M[i][j], e * M[i][k])
+    else:
+        size = math.hypot(M[i][i], M[i][j])
+        first, second = math.atan2(-e * M[j][k], M[k][k]), math.atan2(e * M[i][k], size)
+        third = math.atan2(-e * M[i][j], M[i][i])
+    if size < 1e-12:
+        first, third = math.atan2(e * M[k][j], M[j][j]), 0.0
+    found = [first, second, third]
+    return found if sequence.isupper() else found[::-1]
+
+
+VECTORS = ("mrp", "rotation vector")
+FORMS = "mrp, rotation vector, or euler and a sequence such as ZYX"
+"""Ways to write a rotation as three numbers."""
+
+
+def three(R: Sequence[float], form: str) -> list[float]:
+    """Returns the three numbers of a matrix in one of FORMS, rad. Raises ValueError where the form is none."""
+    if form not in VECTORS:
+        return angles(R, _sequence(form))
+    w, *v = quaternion(R)
+    if form == "mrp":
+        return [x / (1.0 + w) for x in v]
+    size = math.sqrt(sum(x * x for x in v))
+    by = 2.0 * math.atan2(size, w) / size if size > 1e-12 else 2.0
+    return [by * x for x in v]
+
+
+def of_three(x: Sequence[float], form: str) -> list[float]:
+    """Returns the matrix of three numbers in one of FORMS, rad. Raises ValueError where the form is none."""
+    if form not in VECTORS:
+        return euler(x, _sequence(form))
+    square = sum(value * value for value in x)
+    if form == "mrp":
+        return matrix([(1.0 - square) / (1.0 + square), *(2.0 * value / (1.0 + square) for value in x)])
+    return about(x, math.sqrt(square)) if square > 0.0 else about((1.0, 0.0, 0.0), 0.0)
+
+
+def _sequence(form: str) -> str:
+    name, _, sequence = form.partition(" ")
+    if name != "euler":
+        raise ValueError(f"expected {FORMS}, found {form!r}")
+    return sequence
+
+
 def _cosine_sine(angle: float) -> tuple[float, float]:
     """Exact at the double next to a quarter turn, so that 90 deg gives zeros and ones."""
     quarters = round(angle / (math.pi / 2))

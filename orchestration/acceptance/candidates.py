@@ -11,9 +11,12 @@ from difflib import SequenceMatcher
 
 from ..fmu.model import Model, Variable
 from ..quantities import ONE, QuantityError, Unit, parse_unit
+from .words import words_of
 
 _INDEX = re.compile(r"([xyzwsXYZWS0-9])(?=_|$)")
 """A letter or digit of a name that may be the index of an element."""
+_PAIR = re.compile(r"([0-3])[_.,]?([0-3])(?=_|$)")
+"""Two digits of a name that may be the indices of a matrix's element."""
 _ORDERS = ("xyz", "123", "012", "wxyz", "xyzw", "sxyz", "xyzs", "0123", "1234", "123456789", "012345678")
 """Endings of the scalars of one vector, in its order."""
 _IN = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]|\bin ([^\s,;:]{1,20})")
@@ -46,6 +49,7 @@ def candidates(theirs: Model, causality: str) -> list[Candidate]:
             stem = variable.name[: match.start()].rstrip("_.") + variable.name[match.end() :]
             if stem:
                 stems.setdefault(stem, {})[match[1].lower()] = variable
+    found += _matrices([v for v in variables if v.size == 1])
     for stem, members in stems.items():
         orders = [order for order in _ORDERS if set(order) == set(members)]
         if orders:
@@ -55,13 +59,25 @@ def candidates(theirs: Model, causality: str) -> list[Candidate]:
     return found
 
 
-def _words(text: str) -> list[str]:
-    parts = re.sub(r"([a-z])([A-Z])", r"\1 \2", text)
-    return [w.lower() for w in re.split(r"[^A-Za-z]+", parts) if w]
+def _matrices(scalars: list[Variable]) -> list[Candidate]:
+    """Returns scalars that are the elements of a matrix of 3 by 3: `C11`, `dcm_1_3`, `R_02`."""
+    stems: dict[str, dict[str, Variable]] = {}
+    for variable in scalars:
+        for match in _PAIR.finditer(variable.name):
+            stem = variable.name[: match.start()].rstrip("_.") + variable.name[match.end() :]
+            stems.setdefault(stem, {})[match[1] + match[2]] = variable
+    found = []
+    for stem, members in stems.items():
+        for digits in ("123", "012"):
+            order = [i + j for i in digits for j in digits]
+            if stem and set(order) == set(members):
+                chosen = [members[key] for key in order]
+                found.append(Candidate(tuple(v.name for v in chosen), chosen[0], 9, (3, 3), stem))
+    return found
 
 
 def likeness(ours: str, theirs: str) -> float:
-    a, b = ("".join(_words(re.sub(r"_[A-Z]+\d*$", "", name))) or name.lower() for name in (ours, theirs))
+    a, b = ("".join(words_of(name)) or name.lower() for name in (ours, theirs))
     return SequenceMatcher(None, a, b).ratio()
 
 
@@ -72,7 +88,7 @@ _COMMON = frozenset(
 
 def shared_words(ours: str, theirs: str) -> float:
     """Returns how much two descriptions have in common, by how words begin: `magnetic` is like `magnetometer`."""
-    one, other = ({w[:6] for w in _words(text) if w not in _COMMON and len(w) > 2} for text in (ours, theirs))
+    one, other = ({w[:6] for w in words_of(text) if w not in _COMMON and len(w) > 2} for text in (ours, theirs))
     both = sum(any(a.startswith(b[:5]) or b.startswith(a[:5]) for b in other) for a in one)
     return min(0.4 * both, 1.2)
 

@@ -24,6 +24,7 @@ from ..system.wiring import fed
 from . import playback
 from .difference import Difference, difference
 from .inputs import given, theirs_alone
+from .polarity.mend import Mended, mend
 from .tolerances import Tolerance, tolerances
 
 
@@ -42,6 +43,8 @@ class Comparison:
     instants: int = 0
     end: float = 0.0
     """The last of these instants, s."""
+    mended: Mended | None = None
+    """What explains how theirs differs, where it is not equivalent."""
 
     @property
     def failure(self) -> BlockError | None:
@@ -107,8 +110,18 @@ def compare(source: Source, theirs: Source, block: str, wanted: Sequence[str] = 
     comparison.differences = _differences(comparison, ports, bounds, loaded.blocks[block].every)
     at = ours.time[played.rows]
     comparison.interval = float(at[1] - at[0]) if len(at) > 1 else 0.0
+    if not comparison.equivalent and comparison.failure is None:
+        comparison.mended = explained(source, theirs, block)
     comparison.instants, comparison.end = len(at), float(at[-1]) if len(at) else 0.0
     return comparison
+
+
+def explained(source: Source, theirs: Source, block: str) -> Mended | None:
+    """Returns what explains how theirs differs from ours; None where the block cannot be played alone."""
+    try:
+        return mend(source, theirs, block)
+    except (BlockError, InputError, ValueError):
+        return None
 
 
 def _recording(source: Source, block: str, more: Sequence[str]) -> Source:

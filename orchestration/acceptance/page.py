@@ -18,7 +18,7 @@ from ..results.report import figure, fmu_table
 from . import verdict as words
 from .compare import Comparison
 from .difference import Difference
-from .verdict import DIFFERENCES, colour, meaning, rows_of_differences
+from .verdict import DIFFERENCES, colour, explanation, meaning, rows_of_differences
 
 _CLOSED = (
     "The whole run twice: with our block, and with theirs in its place. The status is that of the run with theirs."
@@ -70,7 +70,7 @@ def _open_loop(comparison: Comparison, made: Page) -> Markup:
     variables = comparison.ours.models[comparison.block].variables
     cited = [SOURCE] if any(cites(variables[difference.output].description) for difference in compared) else []
     content = [
-        each("<p>{}</p>\n", [*meaning(comparison), *cited]),
+        each("<p>{}</p>\n", [*explanation(comparison), *meaning(comparison), *cited]),
         table(("status", *DIFFERENCES), cells),
         piece("hint") if compared else "",
         *(_output(comparison, difference, made) for difference in compared),

@@ -6,18 +6,21 @@ Signs and axes no description tells: `orchestrate polarity` finds those.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..errors import printable
 from ..fmu.interfaces import Interface
 from ..fmu.model import Element, Model, Variable, unit_of
-from ..quantities import ONE, Unit
+from ..quantities import ONE, Unit, parse_unit
 from ..scenario.text import written
 from ..swap.findings import Fit
 from .candidates import Candidate, candidates, likeness, shared_words, told_unit, usual_unit
+from .polarity.wrongs import USUAL
+from .words import SEQUENCE, axes, direction, meanings, opposite, rotation_form
 
 _UNSURE = 0.4
 """A second candidate with a score this near leaves the first unsure."""
@@ -53,11 +56,13 @@ class _Suggestion:
         ]
         taken = {Element(name, p) for name in self.same for p in range(theirs.variables[name].size)}
         for causality in ("input", "output", "parameter"):
-            self._assign(causality, taken)
+            for optional in (False, True):
+                self._assign(causality, optional, taken)
 
-    def _assign(self, causality: str, taken: set[Element]) -> None:
-        """Takes the best candidate for each of ours, the best pair first."""
-        free = [v for v in self.reference.model.of(causality) if v.name not in self.same]
+    def _assign(self, causality: str, optional: bool, taken: set[Element]) -> None:
+        """Takes the best candidate for each of ours, the best pair first; of what has to be there before the rest."""
+        of = [v for v in self.reference.model.of(causality) if v.name not in self.same]
+        free = [v for v in of if self._spare(v) == optional]
         pairs = [
             match
             for ours in free
@@ -76,6 +81,11 @@ class _Suggestion:
             near = [s for s in scores.get(name, ()) if s != match.score and abs(s - match.score) < _UNSURE]
             match.unsure = match.unsure or bool(near)
 
+    def _spare(self, variable: Variable) -> bool:
+        """Whether it goes without: an optional input, or an output that no other block needs."""
+        needed = variable.causality != "output" or variable.name in self.reference.needed
+        return variable.optional or not needed
+
     def _match(self, ours: Variable, candidate: Candidate) -> _Match | None:
         theirs = candidate.variable
         if theirs.type != ours.type or theirs.items != ours.items:
@@ -87,7 +97,12 @@ class _Suggestion:
         match = _Match(ours, candidate, 2.0 * name + words, [f"names {100 * name:.0f} % alike"])
         if words:
             match.why.append("descriptions share words")
+        if ours.causality != "parameter" and not self._meaning(match):
+            return None
         quaternion = ours.shape == (3, 3) and candidate.size == 4
+        form = rotation_form(f"{candidate.stem} {theirs.description}") if ours.shape == (3, 3) else ""
+        if candidate.size == 3 and form:
+            return self._three(match, form)
         if candidate.size != ours.size and not quaternion:
             return None
         if len(candidate.names) == 1 and candidate.shape != ours.shape and not quaternion:
@@ -97,14 +112,77 @@ class _Suggestion:
                 r"scalar.{0,12}last|last.{0,12}scalar", theirs.description, re.I
             )
             match.extra["quaternion"] = "scalar last" if last else "scalar first"
-            match.unsure = not last and "first" not in theirs.description
+            match.unsure = not last and "first" not in theirs.description and candidate.names[0][-1:] not in "wsWS"
+            if self._backwards(match):
+                match.extra["inverse"] = True
             match.score += 2.0
             match.why.append("4 values for a rotation")
         elif ours.type == "real" and not self._units(match):
             return None
         elif candidate.size > 1:
             match.score += 0.5
+        if ours.causality != "parameter":
+            self._frames(match)
         return match if match.score >= _LEAST else None
+
+    def _meaning(self, match: _Match) -> bool:
+        """Whether the field's words of both sides can mean one thing; what they share counts."""
+        ours, theirs = match.ours, match.candidate
+        one = meanings(ours.name, ours.description)
+        by_name, other = meanings(theirs.stem), meanings(theirs.stem, theirs.variable.description)
+        if not one or not other:
+            return not ours.optional
+        fits = theirs.variable.unit is not None and unit_of(ours).exponents not in (None, ONE.exponents)
+        fits = fits and theirs.variable.unit is not None and unit_of(ours).fits(theirs.variable.unit)
+        both = one & other
+        match.score += 1.2 * len(both) - 0.3 * len(one ^ other) + 0.6 * len(one & by_name)
+        if both:
+            match.why.append(f"both mean {' and '.join(sorted(both))}")
+        return (bool(both) or fits) and (not self._spare(ours) or one == other)
+
+    def _three(self, match: _Match, form: str) -> _Match:
+        """Three numbers for our rotation matrix."""
+        theirs = match.candidate.variable
+        match.extra["rotation"] = form
+        text = f"{match.candidate.stem} {theirs.description}"
+        if theirs.unit is None and re.search(r"\[deg\]|\bdeg(?:rees)?\b", text):
+            match.extra["unit"] = "deg"
+        if self._backwards(match):
+            match.extra["inverse"] = True
+        match.unsure = form.startswith("euler") and SEQUENCE.search(text) is None
+        match.score += 2.0
+        match.why.append(f"3 values for a rotation: {form}")
+        return match
+
+    def _backwards(self, match: _Match) -> bool:
+        """Whether theirs is told to be the inverse of our rotation matrix."""
+        told = direction(match.candidate.variable.description) or direction(match.candidate.stem)
+        to, _, from_ = (match.ours.frame or "").partition(" from ")
+        return told is not None and told == (to, from_)
+
+    def _frames(self, match: _Match) -> None:
+        """Takes what their words tell of a matrix's direction, of a vector's axes and of a torque's side."""
+        ours, theirs = match.ours, match.candidate.variable
+        if ours.shape == (3, 3) and match.candidate.size == 9 and self._backwards(match):
+            names = match.candidate.names
+            labels = names if len(names) == 9 else [theirs.label(p).replace("][", ",") for p in range(9)]
+            turned = tuple(labels[3 * (i % 3) + i // 3] for i in range(9))
+            match.candidate = replace(match.candidate, names=turned)
+            match.extra.pop("matrix", None)
+            match.why.append("of the inverse rotation")
+        told = axes(theirs.description)
+        if ours.shape == (3,) and ours.causality == "input" and told and told != ours.frame and ours.frame:
+            for other in self.reference.model.of("input"):
+                to, _, from_ = (other.frame or "").partition(" from ")
+                if other.shape == (3, 3) and not other.optional and {to, from_} == {told, ours.frame}:
+                    match.extra |= {"turn": other.name} | ({"inverse": True} if told == from_ else {})
+                    match.why.append(f"along the axes of {told}")
+        if ours.size == 1 and ours.type == "real" and opposite(ours.description, theirs.description):
+            key = "divide" if "divide" in match.extra else "scale"
+            value = match.extra.get(key, 1)
+            match.extra[key] = f"-{value}" if isinstance(value, str) else -value
+            match.unsure = True
+            match.why.append("their words tell the other side, so the opposite sign")
 
     def _units(self, match: _Match) -> bool:
         """Whether the units fit, or a factor with a unit makes them."""
@@ -113,6 +191,10 @@ class _Suggestion:
             unit = told_unit(match.candidate, own)
             if unit is None:
                 match.unsure = True
+                if (near := self._by_size(match, own)) is not None:
+                    match.extra["unit"] = str(near)
+                    match.why.append(f"their start value is like ours in {near}")
+                    return True
                 if match.candidate.variable.unit is not None:
                     match.extra["unit"] = str(own)
                 match.why.append("their unit is not known" if own.exponents != ONE.exponents else "no unit")
@@ -133,6 +215,21 @@ class _Suggestion:
             match.why.append(f"units {own} and {unit} differ by the radian only")
             return True
         return match.ours.causality != "parameter" and self._factor(match, own, unit)
+
+    def _by_size(self, match: _Match, own: Unit) -> Unit | None:
+        """Returns a usual unit in which their start values have the size of ours; None where none or ours has."""
+        names = match.candidate.names
+        elements = [e for name in names for e in self.theirs.variables[name].elements]
+        theirs = sum(float(self.theirs.starts.get(e, 0.0) or 0.0) ** 2 for e in elements) ** 0.5
+        ours = sum(float(self.reference.starts.get(e, 0.0) or 0.0) ** 2 for e in match.ours.elements) ** 0.5
+        if not theirs or not ours or own.exponents == ONE.exponents:
+            return None
+        family = next((f for f in USUAL if parse_unit(f[0]).exponents == own.exponents), ())
+        ratios = {name: abs(math.log(theirs * parse_unit(name).factor / ours / own.factor)) for name in family}
+        nearest = min(ratios, key=ratios.__getitem__, default=None)
+        if nearest is None or ratios[nearest] > 1.0 or parse_unit(nearest).factor == own.factor:
+            return None
+        return parse_unit(nearest)
 
     def _factor(self, match: _Match, own: Unit, unit: Unit) -> bool:
         """Whether a parameter, such as an inertia, has the unit by which the two differ."""

@@ -11,6 +11,8 @@ from typing import Any
 from ..quantities import with_unit
 from .compare import Comparison
 from .difference import ROUNDING, Difference
+from .polarity.mend import in_words
+from .polarity.mend import summary as of_mended
 
 DIFFERENCES = ("output", "our largest", "largest difference", "rms difference", "tolerance", "when")
 """The columns of the open loop."""
@@ -31,6 +33,7 @@ def summary(comparison: Comparison) -> dict[str, Any]:
         "interval": comparison.interval,
         "end": comparison.end,
         "open_loop": [asdict(difference) for difference in comparison.differences],
+        "explained": None if comparison.mended is None else of_mended(comparison.mended),
         "claims": [
             {"name": a.name, "ours": asdict(a), "theirs": None if b is None else asdict(b)}
             for a, b in comparison.claims
@@ -84,6 +87,11 @@ def meaning(comparison: Comparison) -> list[str]:
         what = d.note + " differ" if d.note else f"its largest difference is {d.share:.2g} of our largest value"
         sentences.append(f"{d.output}: {what}; only its tolerance, {d.tolerance}, allows that.")
     return sentences
+
+
+def explanation(comparison: Comparison) -> list[str]:
+    """Returns what explains the difference on the same inputs, or that nothing does; empty where there is none."""
+    return in_words(comparison.mended) if comparison.mended is not None else []
 
 
 def status(difference: Difference) -> str:

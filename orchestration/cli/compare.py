@@ -12,7 +12,7 @@ import click
 
 from ..acceptance.compare import Comparison, compare
 from ..acceptance.page import write
-from ..acceptance.verdict import DIFFERENCES, colour, meaning, rows_of_differences, summary, verdict
+from ..acceptance.verdict import DIFFERENCES, colour, explanation, meaning, rows_of_differences, summary, verdict
 from ..errors import BlockError, InputError, writing
 from ..results.place import refuse_foreign
 from ..results.whole import put
@@ -112,6 +112,8 @@ def _print(comparison: Comparison, page: Path) -> None:
     judged(("expectation", "ours", "theirs", "expected"), rows)
     say()
     say(folded(verdict(comparison)), bold=True, fg=colour(comparison))
+    for line in explanation(comparison):
+        say(folded(line, "  "))
     for sentence in meaning(comparison):
         say(folded(sentence, "  "))
     say(f"report in {page}")

@@ -5,7 +5,6 @@ Tests: tests/orchestration/acceptance/test_polarity.py.
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import click
@@ -13,7 +12,7 @@ import click
 from ..acceptance.polarity import page
 from ..acceptance.polarity.card import card
 from ..acceptance.polarity.fly import Loop
-from ..acceptance.polarity.mend import SMALL, Mended, as_yaml
+from ..acceptance.polarity.mend import as_yaml, in_words
 from ..acceptance.polarity.swaps import Looked, look
 from ..acceptance.polarity.trials import Trials, run
 from ..results.place import check_writable
@@ -91,7 +90,8 @@ def command(
             complain(
                 f"the loop does not confirm all of the mapping: wrong wirings of {names} change nothing that it sees"
             )
-    ctx.exit(EXPECTATION_FAILED if looked is not None and looked.wrong is not None else 0)
+    wrong = looked is not None and (looked.wrong is not None or any(m.behaves for m in looked.mended))
+    ctx.exit(EXPECTATION_FAILED if wrong else 0)
 
 
 def _flown(
@@ -117,39 +117,25 @@ def _tell(looked: Looked, target: Path) -> None:
             say(
                 f"{block}: no input of its FMU is left for {names} of ours, so what flows there is ignored", fg="yellow"
             )
+    if looked.wrong is not None:
+        complain(f"as wired the loop does not pass: {looked.wrong.by}, at {looked.wrong.time:.5g} s")
+    for mended in looked.mended:
+        for line in in_words(mended):
+            say(folded(line, "  " if line.startswith(" ") else ""), fg="yellow" if not mended.behaves else None)
+        if mended.behaves:
+            say(f"the mapping that corrects it ({target / f'{mended.block}.mapping.yaml'}):")
+            for line in as_yaml(mended.mapping).splitlines():
+                say(f"  {line}")
+        if not mended.complete and not mended.named:
+            say("  the search ended before all pairs of ports were tried", fg="yellow")
     if looked.wrong is None:
         return
-    complain(f"as wired the loop does not pass: {looked.wrong.by}, at {looked.wrong.time:.5g} s")
-    for mended in looked.mended:
-        if not mended.behaves:
-            say(folded(_symptom(mended)), fg="yellow")
-            continue
-        say(f"{mended.block} behaves as wired wrongly:", bold=True)
-        for port, wrong in mended.behaves.items():
-            say(f"  {port}: {wrong}")
-        share = f"{100 * mended.before:.3g} % of ours, {100 * mended.after:.3g} % with this mapping"
-        say(f"on the same inputs its outputs differ by {share} ({target / f'{mended.block}.mapping.yaml'}):")
-        for line in as_yaml(mended.mapping).splitlines():
-            say(f"  {line}")
-        if not mended.complete:
-            say("  the search ended before all pairs of ports were tried", fg="yellow")
     with_it = "with it " if any(mended.behaves for mended in looked.mended) else ""
     if looked.left is None:
         say(f"{with_it}the loop meets all expectations and consistency checks", fg="green")
     else:
         say(f"{with_it}the loop still does not pass: {looked.left.by}, at {looked.left.time:.5g} s", fg="red")
     say()
-
-
-def _symptom(mended: Mended) -> str:
-    """Returns how theirs differs from ours where no wrong wiring explains it."""
-    if not math.isfinite(mended.before):
-        text = "it refuses the inputs that ours has in its run, or gives what is not finite"
-    else:
-        text = f"on the same inputs its outputs differ by {100 * mended.before:.3g} % of ours"
-    best = f"the best leaves {100 * mended.after:.3g} %" if math.isfinite(mended.after) else "none helps"
-    no = "no other sign, axis, unit or attitude of its ports explains that"
-    return f"{mended.block}: {text}; {no}: {best}, and a cause is named up to {100 * SMALL:g} %"
 
 
 def _print(trials: Trials, files: list[Path]) -> None:

@@ -21,6 +21,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from .. import rotation
 from ..errors import InputError, as_written
 from ..quantities import ONE, parse, real, value_in
 from . import complaints, source, text
@@ -82,18 +83,32 @@ class PortMap(Model):
     """c, one value or one for each of their elements, in their unit or as text with a unit."""
     quaternion: Literal["scalar first", "scalar last"] | None = None
     """Ours is a rotation matrix and theirs a unit quaternion, q v q* = R v, with its scalar there."""
+    rotation: str | None = None
+    """Ours is a rotation matrix and theirs three numbers: `mrp`, `rotation vector`, or `euler` and a sequence of axes,
+    `euler ZYX` about the turned axes, `euler xyz` about the fixed ones."""
+    turn: Annotated[str, Field(strict=True)] | None = None
+    """Our input that is a rotation matrix R, where theirs has components along other axes: theirs = A R ours + c."""
     inverse: bool = Field(False, strict=True)
-    """Of a quaternion: theirs stands for the inverse rotation, our matrix transposed."""
+    """Of a rotation: theirs stands for the inverse, our matrix transposed. Of a turn: by the transposed matrix."""
 
     @model_validator(mode="after")
     def _one_way(self) -> PortMap:
         if self.scale is not None and self.divide is not None:
             raise ValueError("expected at most one of scale and divide")
-        if self.inverse and self.quaternion is None:
-            raise ValueError("'inverse' is of a quaternion; say 'quaternion: scalar first' or 'scalar last' as well")
-        beside = [k for k in ("unit", "scale", "divide", "matrix", "offset") if getattr(self, k) is not None]
-        if self.quaternion is not None and beside:
-            raise ValueError(f"a quaternion goes without {' and '.join(beside)}")
+        if self.inverse and self.quaternion is None and self.rotation is None and self.turn is None:
+            raise ValueError(
+                "'inverse' is of a quaternion; say 'quaternion: scalar first' or 'scalar last' as well, "
+                "or a rotation or a turn"
+            )
+        if self.rotation is not None:
+            rotation.three([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0], self.rotation)
+        beside = [k for k in ("unit", "scale", "divide", "matrix", "offset", "turn") if getattr(self, k) is not None]
+        if self.quaternion is not None and self.rotation is not None:
+            raise ValueError("expected at most one of quaternion and rotation")
+        beside = [key for key in beside if self.quaternion is not None or key != "unit"]
+        if (self.quaternion is not None or self.rotation is not None) and beside:
+            kind = "quaternion" if self.quaternion is not None else "rotation"
+            raise ValueError(f"a {kind} goes without {' and '.join(beside)}")
         for name in ("scale", "divide"):
             value = getattr(self, name)
             if value is not None and (parse(value)[0] if isinstance(value, str) else value) == 0.0:

@@ -40,8 +40,9 @@ class Adapter(NamedValues):
         row_of = {element: i for i, element in enumerate(theirs)}
         for link in linked:
             rows, columns = [row_of[e] for e in link.theirs], [place[e] for e in link.ours.elements]
-            if link.A is None or link.c is None:
+            if link.A is None or link.c is None or link.turned:
                 turned.append((link, np.array(rows), np.array(columns)))
+
             else:
                 A[np.ix_(rows, columns)], c[rows] = link.A, link.c
         self._theirs_in = theirs
@@ -59,7 +60,11 @@ class Adapter(NamedValues):
                 np.matmul(A, whole, out=buffer)
                 np.add(buffer, c, out=buffer)
                 for link, rows, columns in turned:
-                    buffer[rows] = self._quaternion(link, whole[columns].tolist())
+                    ours = whole[columns].tolist()
+                    if link.A is not None and link.c is not None:
+                        buffer[rows] = link.A @ self._turned(link, ours) + link.c
+                    else:
+                        buffer[rows] = self._rotation(link, ours)
             hand_over()
 
         return push

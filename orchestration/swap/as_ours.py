@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -55,12 +55,22 @@ def in_ours(link: Link, theirs: list[Any]) -> list[Any] | None:
         return theirs
     if link.A is None or link.c is None:
         try:
-            R = rotation.matrix([theirs[3], *theirs[:3]] if link.scalar_last else theirs)
+            return in_ours_matrix(link, theirs)
         except ValueError:
             return None
-        return rotation.transposed(R) if link.inverse else R
+    if link.turned:
+        return None
     values: list[Any] | None = None if link.B is None else (link.B @ (np.array(theirs, float) - link.c)).tolist()
     return values
+
+
+def in_ours_matrix(link: Link, theirs: Sequence[float]) -> list[float]:
+    """Our rotation matrix, of a quaternion or three numbers of theirs. Raises ValueError where they are none."""
+    if link.rotation:
+        R = rotation.of_three([x * link.unit for x in theirs], link.rotation)
+    else:
+        R = rotation.matrix([theirs[3], *theirs[:3]] if link.scalar_last else theirs)
+    return rotation.transposed(R) if link.inverse else R
 
 
 def model(fitted: Fit) -> Model:
@@ -75,7 +85,10 @@ def model(fitted: Fit) -> Model:
         if link.ours.causality == "input":
             for row, element in enumerate(link.theirs):
                 columns = range(link.ours.size) if link.A is None else np.flatnonzero(link.A[row]).tolist()
+                columns = range(link.ours.size) if link.turned else columns
                 back.setdefault(element, []).extend(Element(link.ours.name, column) for column in columns)
+                if link.turned:
+                    back[element].extend(fitted.reference.model.variables[link.turned].elements)
     for variable in fitted.extra:
         back.update((element, [element]) for element in variable.elements)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 
@@ -30,6 +31,20 @@ def quaternion(fitted: Fit, ours: Variable, elements: tuple[Element, ...], entry
                 "unit", f"{variable.name} is in {variable.unit}, but a quaternion has no unit", "change the FMU"
             )
     return Link(ours, elements, scalar_last=entry.quaternion == "scalar last", inverse=entry.inverse)
+
+
+def three(fitted: Fit, ours: Variable, elements: tuple[Element, ...], entry: PortMap) -> Link:
+    """Three numbers for a rotation matrix of ours: Euler angles, a rotation vector or MRP."""
+    form = entry.rotation or ""
+    if ours.shape != (3, 3) or len(elements) != 3:
+        text = f"{form} of 3 stands for a matrix of [3, 3]; ours is {ours.kind}, theirs has {len(elements)}"
+        raise Misfit("shape", text, "map the three numbers to the rotation matrix")
+    plain = form == "mrp"
+    units = {str(u) for e in elements if (u := fitted.theirs.variables[e.variable].at([e.position]).unit) is not None}
+    unit = parse_unit(entry.unit or (units.pop() if len(units) == 1 else "1" if plain else "rad"))
+    if unit.exponents not in ((ONE.exponents,) if plain else (ONE.exponents, parse_unit("rad").exponents)):
+        raise Misfit("unit", f"{form} in {unit}", "expected " + ("no unit" if plain else "an angle such as deg"))
+    return Link(ours, elements, rotation=form, inverse=entry.inverse, unit=unit.factor)
 
 
 def affine(fitted: Fit, ours: Variable, elements: tuple[Element, ...], entry: PortMap, label: str) -> Link:
@@ -62,7 +77,18 @@ def affine(fitted: Fit, ours: Variable, elements: tuple[Element, ...], entry: Po
     B: Floats | None = None
     if invertible:
         B = A.copy() if is_identity(A) else np.asarray(np.linalg.inv(A), np.float64)
-    return Link(ours, elements, A, offsets, B)
+    if entry.turn is not None:
+        _turn(fitted, ours, entry.turn, label)
+    return Link(ours, elements, A, offsets, B, turned=entry.turn or "", inverse=entry.inverse)
+
+
+def _turn(fitted: Fit, ours: Variable, by: str, label: str) -> None:
+    """Refuses a turn that cannot be: of what is no vector of inputs, or by what is no matrix beside it."""
+    matrix = fitted.reference.model.variables.get(by)
+    if matrix is None or matrix.causality != "input" or matrix.shape != (3, 3):
+        raise Misfit("mapping", f"turn: expected an input of ours that is a rotation matrix, found {by}", "name one")
+    if ours.causality != "input" or ours.shape != (3,):
+        raise Misfit("mapping", f"{label}: only an input that is a vector of 3 is turned", "leave out turn")
 
 
 def _shape(fitted: Fit, elements: tuple[Element, ...]) -> tuple[int, ...]:
@@ -201,10 +227,15 @@ def _offset(fitted: Fit, elements: tuple[Element, ...], entry: PortMap) -> Float
 
 def change(ours: Variable, theirs: list[Variable], link: Link) -> str:
     """The change from ours to theirs, in a few words."""
+    if link.rotation:
+        return f": {link.rotation}{' in deg' if link.unit != 1.0 else ''}{', of the inverse rotation' * link.inverse}"
     if link.A is None or link.c is None:
         last = "last" if link.scalar_last else "first"
         return f": quaternion, scalar {last}{', of the inverse rotation' if link.inverse else ''}"
     unit = f" {ours.unit}" if ours.unit and ours.unit.name not in ("", "1") else ""
+    if link.turned:
+        how = f": turned by {link.turned}{' transposed' if link.inverse else ''}"
+        return how + change(ours, theirs, replace(link, turned=""))
     if link.plain:
         return f",{unit}" if unit else ""
     their_unit = f" {theirs[0].unit}" if theirs[0].unit and theirs[0].unit.name not in ("", "1") else ""

@@ -46,12 +46,20 @@ class Link:
     B: Floats | None = None
     """The inverse of A, where there is one."""
     scalar_last: bool = False
+    rotation: str = ""
+    """Of three numbers that stand for our matrix, A and c are None as well: which, see `rotation.FORMS`."""
+    unit: float = 1.0
+    """Of such angles: their unit in rad."""
+    turned: str = ""
+    """Our rotation matrix by which ours is turned first, theirs = A R ours + c; by its inverse with `inverse`."""
     inverse: bool = False
 
     @property
     def plain(self) -> bool:
         """Whether nothing but the name may differ."""
-        return self.A is not None and self.c is not None and not self.c.any() and is_identity(self.A)
+        return (
+            self.A is not None and self.c is not None and not self.turned and not self.c.any() and is_identity(self.A)
+        )
 
 
 @dataclass

@@ -11,7 +11,7 @@ from ..fmu.interfaces import Interface
 from ..fmu.model import Element, Model, NameUnknown, Variable
 from ..scenario.mapping import Mapping, PortMap
 from ..scenario.references import Name
-from .conversion import affine, change, quaternion
+from .conversion import affine, change, quaternion, three
 from .findings import Fit, Misfit, may_stay_unconnected, named
 from .leftover import extra, lacking
 
@@ -142,13 +142,16 @@ def _link(
         text = f"{label}: {named(fitted.theirs, (repeated,))} is named more than once"
         return fitted.say("error", "mapping", text, "name each of theirs once", key)
     if ours.type != "real" and any(
-        getattr(entry, name) is not None for name in ("unit", "scale", "divide", "matrix", "offset", "quaternion")
+        getattr(entry, name) is not None
+        for name in ("unit", "scale", "divide", "matrix", "offset", "quaternion", "rotation", "turn")
     ):
         return fitted.say("error", "mapping", f"{label}: only real variables are converted; it is {ours.type}", key=key)
     try:
         link = (
             quaternion(fitted, ours, elements, entry)
             if entry.quaternion
+            else three(fitted, ours, elements, entry)
+            if entry.rotation
             else affine(fitted, ours, elements, entry, label)
         )
     except Misfit as error:

@@ -12,7 +12,7 @@ from ..errors import BlockError
 from ..fmu.model import Element, Floats
 from ..instances.block import Block
 from ..instances.front import Front
-from .as_ours import model
+from .as_ours import in_ours_matrix, model
 from .findings import Fit, Link
 
 
@@ -42,11 +42,15 @@ class NamedValues(Front):
             if element in self._place:
                 self._ours[self._place[element]] = value
         theirs: list[tuple[Element, Any]] = []
+        touched |= {n: None for n, link in self._links.items() if link.turned in touched and self._known(link)}
         for name in touched:
             if name in self._links:
                 theirs += self._forward(self._links[name])
         if theirs:
             self.inner.set(theirs)
+
+    def _known(self, link: Link) -> bool:
+        return any(element in self._values for element in link.ours.elements)
 
     def _forward(self, link: Link) -> list[tuple[Element, Any]]:
         """Theirs of a port, from what ours was set to; elements never set are those of the interface's starts."""
@@ -55,7 +59,9 @@ class NamedValues(Front):
             known = zip(link.theirs, link.ours.elements, ours, strict=True)
             return [(theirs, value) for theirs, element, value in known if element in self._values]
         if link.A is None or link.c is None:
-            return list(zip(link.theirs, self._quaternion(link, ours), strict=True))
+            return list(zip(link.theirs, self._rotation(link, ours), strict=True))
+        if link.turned:
+            ours = self._turned(link, ours)
         rows = [
             row
             for row in range(len(link.theirs))
@@ -71,20 +77,30 @@ class NamedValues(Front):
             return self._ours[at]
         return self._values.get(element, self.fit.reference.starts.get(element, 0))
 
-    def _quaternion(self, link: Link, R: Sequence[float]) -> list[float]:
+    def _turned(self, link: Link, ours: Sequence[float]) -> list[float]:
+        """A vector of ours along the axes of theirs."""
+        R = [float(self._value(e)) for e in self.fit.reference.model.variables[link.turned].elements]
+        R = rotation.transposed(R) if link.inverse else R
+        return [sum(R[3 * i + j] * ours[j] for j in range(3)) for i in range(3)]
+
+    def _rotation(self, link: Link, R: Sequence[float]) -> list[float]:
+        """A quaternion, or three numbers, of a rotation matrix of ours."""
+        if link.rotation:
+            R = rotation.transposed(R) if link.inverse else R
+            return [x / link.unit for x in rotation.three(R, link.rotation)]
         q = rotation.quaternion(rotation.transposed(R) if link.inverse else R, self._signs.get(link.ours.name))
         self._signs[link.ours.name] = q
         return [*q[1:], q[0]] if link.scalar_last else q
 
     def _matrix(self, link: Link, q: Sequence[float]) -> list[float]:
         try:
-            R = rotation.matrix([q[3], *q[:3]] if link.scalar_last else q)
+            R = in_ours_matrix(link, q)
         except ValueError as error:
             names = ", ".join(dict.fromkeys(e.variable for e in link.theirs))
             raise BlockError(
                 self.name, f"output {names}", f"stands for our {link.ours.name}: {error}", log=self.log
             ) from None
-        return rotation.transposed(R) if link.inverse else R
+        return R
 
     def get(self, elements: Sequence[Element]) -> list[float]:
         values: dict[Element, float] = {}

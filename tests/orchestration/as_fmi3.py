@@ -106,6 +106,8 @@ def _variable(model: Model, v: Variable, tag: str) -> str:
         "causality": v.causality,
         "variability": v.variability,
     }
+    if v.description:
+        attributes["description"] = v.description
     if v.unit is not None and v.type == "real" and v.unit.exponents:
         attributes["unit"] = v.unit.name
     if v.items:

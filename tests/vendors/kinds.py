@@ -306,7 +306,7 @@ def _effect(kind: str, value: Callable[[Case, str], float], all_axes: bool = Tru
     return make
 
 
-LARGEST = {"tau_cmd_B": 4e-3, "dipole_cmd": 12.0, "wheel_torque_cmd": 8e-4}
+LARGEST = {"tau_cmd_B": 1.4e-4, "dipole_cmd": 12.0, "wheel_torque_cmd": 8e-4}
 """About what these reach in V.B."""
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import ExitStack
+from typing import Any
 
 import numpy as np
 
@@ -53,17 +54,24 @@ class Bench:
         self._slave: Slave | None = None
         stack.callback(self._close)
 
-    def play(self, inputs: Mapping[str, Floats]) -> dict[str, Floats] | None:
+    def values(self) -> dict[Element, Any]:
+        """Returns the start values that it has, of the FMU and of the scenario."""
+        return {**self.model.starts, **dict(self.starts)}
+
+    def play(
+        self, inputs: Mapping[str, Floats], parameters: Mapping[Element, float] | None = None
+    ) -> dict[str, Floats] | None:
         """Returns its real outputs (instants, elements) by name on inputs (instants, elements).
 
-        Returns None where it refuses them, or gives what is not finite.
+        `parameters` have other values for this play. Returns None where it refuses them, or gives what is not finite.
         """
         try:
             if self._slave is not None:
                 self._reset()
             if self._slave is None:
                 self._open(inputs)
-            whole = self._play(np.concatenate([inputs[n] for n in self._fed], axis=1)[:, self._order])
+            table = np.concatenate([inputs[n] for n in self._fed], axis=1)[:, self._order]
+            whole = self._play(table, parameters or {})
         except BlockError:
             self._close()
             return None
@@ -93,9 +101,9 @@ class Bench:
         self._stepped: Block = self.opened.adapted(self._slave)
         self._given: Floats | None = None
 
-    def _play(self, table: Floats) -> Floats:
+    def _play(self, table: Floats, parameters: Mapping[Element, float]) -> Floats:
         block, into = self._stepped, self._into
-        block.set(self.starts)
+        block.set([*self.starts, *parameters.items()])
         block.enter(self.step * len(table))
         block.set(zip(self._elements, table[0].tolist(), strict=True))
         block.get(self._handed_on)  # as a master does; others need not exist yet

@@ -7,14 +7,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from ...errors import BlockError
 from ...fmu.model import Floats
 from ...quantities import parse, parse_unit
 from ...scenario.mapping import Mapping as PortMapping
@@ -22,13 +19,14 @@ from ...scenario.mapping import PortMap
 from ...scenario.references import Name
 from ...scenario.source import Source
 from ...scenario.text import written
+from .apart import apart, flown, inside
+from .causes import Cause
 from .fly import Found, Loop
-from .identify import identify
+from .identify import SAME
 from .ports import Port
-from .wrongs import USUAL, Wrong, wrongs
+from .search import identify
+from .wrongs import USUAL, Wrong, left_handed, wrongs
 
-SMALL = 0.01
-"""Share of ours by which theirs may still differ for a cause to be named; beyond it, the difference alone is told."""
 _FACTOR = 1e-6
 """How near a factor has to be to that of a usual unit."""
 
@@ -44,29 +42,38 @@ class Mended:
     """As data for `map:`."""
     before: float
     after: float
-    """Difference from ours on the same inputs, as a share: as wired and as mended."""
+    """Difference from ours on the same inputs, as a share: as wired, and with what is named taken out."""
     left: Found | None
     """The first that the loop does not meet with it; None where all is met."""
     complete: bool
+    causes: tuple[Cause, ...] = ()
+    """What else differs; empty where nothing leaves a small difference."""
+    first: tuple[str, float] | None = None
+    """The output that differs first, and when, s."""
+    equally: tuple[str, ...] = ()
+    """Other wirings that serve as well, in words."""
+
+    @property
+    def named(self) -> bool:
+        """Whether anything explains the difference."""
+        return bool(self.behaves or self.causes)
 
 
 def mend(ours: Source, theirs: Source, block: str) -> Mended:
     """Looks for the mapping of a swapped block under which it does what ours does. Raises InputError and BlockError."""
-    try:
-        with ProcessPoolExecutor(1) as pool:  # theirs may crash
-            found = pool.submit(identify, ours, theirs, block).result()
-    except BrokenProcessPool:
-        raise BlockError(block, "a run alone", "ended the process in which it ran; the FMU has crashed") from None
+    found = apart(block, identify, ours, inside(theirs), block)
     loop = Loop(theirs)
     fit = loop.opened.prepared.fits[block]
     present = fit.mapping or PortMapping()
     data = present.model_dump(exclude_none=True, exclude_defaults=True)
     data["ports"] = {name: _data(entry) for name, entry in present.ports.items()}
     behaves: dict[str, str] = {}
-    explained = (("input", found.inputs), ("output", found.outputs)) if found.after <= SMALL else ()
+    explained = (("input", found.inputs), ("output", found.outputs)) if found.named else ()
     for causality, changes in explained:
         for name, wrong in changes.items():
-            behaves[name] = named(found.ports[name], wrong)
+            behaves[name] = wrong.name if causality == "input" else named(found.ports[name], wrong)
+            if left_handed(wrong) and fit.links[name].ours.frame not in (None, "", "rods"):
+                behaves[name] += " (left-handed)"
             entry = present.ports.get(name) or PortMap(theirs=[Name(name)], inverse=False)
             declared = fit.links[name].theirs[0]
             unit = fit.theirs.variables[declared.variable].at([declared.position]).unit
@@ -74,8 +81,12 @@ def mend(ours: Source, theirs: Source, block: str) -> Mended:
             data["ports"][name] = _mended(entry, found.ports[name], wrong, causality, factor)
     left = None
     if behaves:
-        left, _ = Loop(theirs.with_entry(("blocks", block, "map"), data)).fly()
-    return Mended(block, behaves, data, found.before, found.after, left, found.complete)
+        left = flown(theirs.with_entry(("blocks", block, "map"), data))
+    words = [", ".join(f"{n}: {w.name}" for n, w in other.items()) for other in found.equally] if found.named else []
+    causes = found.causes if found.named else ()
+    return Mended(
+        block, behaves, data, found.before, found.after, left, found.complete, causes, found.first, tuple(words)
+    )
 
 
 def named(port: Port, change: Wrong) -> str:
@@ -98,8 +109,13 @@ def _mended(entry: PortMap, port: Port, change: Wrong, causality: str, declared:
     data = _data(entry)
     if entry.quaternion is not None:
         return data | _quaternion(entry, change)
+    if entry.rotation is not None:
+        return data | {"inverse": not entry.inverse}
+    if change.along is not None:
+        data = {key: value for key, value in data.items() if key not in ("turn", "inverse")}
+        return data if entry.turn is not None else data | {"turn": change.along[0], "inverse": not change.along[1]}
     assert change.matrix is not None
-    matrix = change.matrix if causality == "input" else np.linalg.inv(change.matrix)
+    matrix = np.linalg.inv(change.matrix)  # what is handed over, or what they give for ours
     size = float(np.abs(matrix).max())
     matrix = np.round(matrix / size)
     if abs(size - 1.0) > _FACTOR:
@@ -122,7 +138,7 @@ def _quaternion(entry: PortMap, change: Wrong) -> dict[str, Any]:
         inverse = not inverse
     else:
         order = "scalar last" if order == "scalar first" else "scalar first"
-        inverse = inverse != change.turn[0].startswith("inverse")
+        inverse = inverse != (change.turn[1] != change.turn[0].startswith("inverse"))
     return {"quaternion": order, "inverse": inverse}
 
 
@@ -169,11 +185,37 @@ def as_yaml(mapping: Mapping[str, Any]) -> str:
     return "\n".join([*lines, *(f"{key}: {written(value, flow=True)}" for key, value in rest.items())]) + "\n"
 
 
+def in_words(mended: Mended) -> list[str]:
+    """Returns what explains how theirs differs from ours, or else how it differs; nothing where it does not."""
+    if not math.isfinite(mended.before):
+        return [f"{mended.block}: it refuses the inputs that ours has in its run, or gives what is not finite"]
+    if mended.before <= SAME:
+        return []
+    differs = f"{mended.block}: on the same inputs its outputs differ by {100 * mended.before:.3g} % of ours"
+    if mended.first is not None:
+        differs += f", {mended.first[0]} first, at {mended.first[1]:.5g} s"
+    if not mended.named:
+        no = "no other sign, axis, unit or attitude of its ports, and no other cause that is known, explains that"
+        return [f"{differs}; {no}: the best leaves {100 * mended.after:.3g} %, so none is named"]
+    lines = [f"{differs}; with what follows taken out, by {100 * mended.after:.2g} %"]
+    if mended.behaves:
+        lines.append(f"{mended.block} behaves as wired wrongly:")
+        lines += [f"  {port}: {wrong}" for port, wrong in mended.behaves.items()]
+    lines += [f"  or equally well: {other}" for other in mended.equally]
+    if mended.causes:
+        lines.append(f"{mended.block} differs" + (" besides:" if mended.behaves else ":"))
+        lines += [f"  {cause}; that leaves {100 * cause.left:.2g} %" for cause in mended.causes]
+    return lines
+
+
 def summary(mended: Mended) -> dict[str, Any]:
     """Returns all of it as plain data."""
     return {
         "block": mended.block,
         "behaves_as": mended.behaves,
+        "causes": [asdict(cause) for cause in mended.causes],
+        "equally": list(mended.equally),
+        "differs_first": None if mended.first is None else {"output": mended.first[0], "time": mended.first[1]},
         "map": mended.mapping,
         "difference_as_wired": mended.before if math.isfinite(mended.before) else None,
         "difference_as_mended": mended.after if math.isfinite(mended.after) else None,

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ...fmu.interfaces import is_path
 from ...scenario.load import load
 from ...scenario.scenario import Scenario
 from ...scenario.source import Source
@@ -18,6 +17,7 @@ from ...scenario.text import parse
 from ...swap.findings import unfed
 from ..check import check
 from ..suggest import suggest
+from .apart import flown
 from .fly import Found, Loop
 from .mend import Mended, mend
 
@@ -51,17 +51,15 @@ def look(ours: Source, theirs: Source, blocks: Sequence[str]) -> Looked:
     for block in looked.proposed:
         ignored = loop.opened.prepared.fits[block].ignored.values()
         looked.ignored[block] = [variable.name for variable in ignored if variable.causality == "input"]
-    looked.wrong, _ = loop.fly()
+    looked.wrong = flown(looked.source)
     looked.left = looked.wrong
-    for block in blocks if looked.wrong is not None else ():
+    for block in blocks:
         found = mend(ours, looked.source, block)
         looked.mended.append(found)
         if found.behaves:
             looked.source = looked.source.with_entry(("blocks", block, "map"), found.mapping)
     if any(found.behaves for found in looked.mended):
-        looked.left, _ = Loop(looked.source).fly()
-    elif loop.failure is not None and loop.failure.time is None:  # no wiring explains it: the FMU fails by itself
-        raise loop.failure
+        looked.left = looked.mended[-1].left if len(blocks) == 1 else flown(looked.source)
     return looked
 
 
@@ -76,17 +74,3 @@ def _proposal(scenario: Scenario, block: str) -> str | None:
     if fitted is None or not any(f.level == "error" and not unfed(f) for f in fitted.findings):
         return None
     return suggest(fitted)
-
-
-def inside(source: Source) -> Source:
-    """Returns the scenario with its one FMU of another team in the process that flies it, which is its own already.
-
-    Where there are more, each keeps its own process: modules of one name would get in each other's way.
-    """
-    blocks = source.data["blocks"]
-    foreign = [name for name, entry in blocks.items() if is_path(str(entry.get("fmu", "")))]
-    if len(foreign) != 1:
-        return source
-    for key, value in (("isolation", "none"), ("timeout", None), ("memory", None)):
-        source = source.with_entry(("blocks", foreign[0], key), value)
-    return source

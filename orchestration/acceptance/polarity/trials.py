@@ -14,10 +14,10 @@ from functools import cache
 
 from ...errors import BlockError, InputError, hint
 from ...scenario.source import Source
+from .apart import inside
 from .fly import Found, Loop
 from .ports import Port, ports
 from .reasons import Nominal, Unobservable
-from .swaps import inside
 from .wrongs import Wrong, wrongs
 
 _PART = 7

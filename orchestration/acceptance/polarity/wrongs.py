@@ -23,7 +23,7 @@ from itertools import permutations, product
 import numpy as np
 
 from ... import rotation
-from ...fmu.model import Floats
+from ...fmu.model import Floats, Variable
 from ...quantities import ONE, Unit, parse_unit
 from .ports import Port
 
@@ -57,12 +57,37 @@ class Wrong:
     turn: tuple[str, bool] | None = None
     """Of a rotation matrix: its quaternion is read with the scalar in the other place, "first as last" or
     "last as first", and whether as that of the inverse rotation."""
+    along: tuple[str, bool] | None = None
+    """Of a vector: the matrix of another port by which it is turned as it is read, and whether by its transpose."""
 
     def apply(self, values: Floats) -> Floats:
         """Returns values (n, elements) as they are read."""
         if self.matrix is not None:
             return np.asarray(values @ self.matrix.T + self.offset)
         return np.array([turned(row.tolist(), *(self.turn or ("", False))) for row in values])
+
+
+def undo(wrong: Wrong, values: Floats) -> Floats:
+    """Returns what has to be handed over (n, elements) so that these values are read."""
+    if wrong.matrix is not None:
+        return np.asarray((values - wrong.offset) @ np.linalg.inv(wrong.matrix).T)
+    order, inverse = wrong.turn or ("", False)
+    back = "last as first" if order.endswith("first as last") else "first as last"
+    back = f"inverse, {back}" if inverse else back
+    return np.array([turned(row.tolist(), back, order.startswith("inverse")) for row in values])
+
+
+def frames_of(variable: Variable) -> list[str]:
+    """Returns the frames of a vector, one, or of a rotation matrix, "N from B" being N and B."""
+    return [part.strip() for part in (variable.frame or "").split(" from ") if part.strip()]
+
+
+def left_handed(wrong: Wrong) -> bool:
+    """Whether it mirrors a vector of three, but for one of the opposite sign."""
+    M = wrong.matrix
+    return (
+        M is not None and M.shape == (3, 3) and float(np.linalg.det(M)) < 0.0 and not (M[0, 0] * np.eye(3) == M).all()
+    )
 
 
 def turned(R: list[float], order: str, inverse: bool) -> list[float]:

@@ -104,20 +104,22 @@ TEAMS = {
         "controller",
         _QUATERNION.format(sign=""),
         interface=_ATTITUDE,
-        behaves={"R_NB": "quaternion, scalar last as first"},
+        behaves={"R_NB": "quaternion, scalar first as last"},
         rewritten=("R_NB",),
     ),
     "inverse": Team(  # the same, of the rotation from N to B
         "controller",
         _QUATERNION.format(sign="-"),
         interface=_ATTITUDE,
-        behaves={"R_NB": "quaternion, scalar last as first, inverse"},
+        behaves={"R_NB": "quaternion, scalar first as last, inverse"},
         rewritten=("R_NB",),
     ),
-    "other law": Team(  # a rate of the opposite sign, and gains that no wiring explains
+    "other law": Team(  # a rate of the opposite sign, and a gain that grows with the torque, which no cause explains
         "controller",
         "for (int i = 0; i < 3; ++i) { in.omega_B[i] = -u->omega_B[i]; }",
-        "for (int i = 0; i < 3; ++i) { y->tau_cmd_B[i] *= 0.7 + 0.2 * i; }",
+        "const double *t = y->tau_cmd_B, size = t[0] * t[0] + t[1] * t[1] + t[2] * t[2];\n"
+        "const double gain = 0.5 + 3e7 * size;\n"
+        "for (int i = 0; i < 3; ++i) { y->tau_cmd_B[i] *= gain; }",
     ),
 }
 

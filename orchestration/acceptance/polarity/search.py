@@ -1,0 +1,249 @@
+"""Finds as which wrong wiring another team's FMU behaves, and what else explains how it differs from ours.
+
+Wirings are searched on some instants (`identify`); what the nearest of them leave of the whole run is explained by
+`causes` and `parameters`. A cause is stated only where little is left with it.
+
+Tests: tests/orchestration/acceptance/test_polarity.py, tests/torture/polarity.py, tests/vendors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from itertools import combinations, islice
+from time import monotonic
+
+import numpy as np
+
+from ...fmu.model import Floats, Variable
+from ...scenario.source import Source
+from .causes import Cause, causes_of
+from .fly import Loop
+from .identify import ALIKE, CHANGE, COARSE, INSTANTS, MINUS, SAME, Changes, Identifier, Score, key_of, minus_of
+from .parameters import changed_parameter
+from .ports import Port
+from .wrongs import Wrong, left_handed
+
+SMALL = 0.01
+"""Share of ours by which theirs may still differ for a cause to be named; beyond it, the difference alone is told."""
+PART = 0.02
+"""And part of the difference as wired; of a wiring times that difference, since a small one could be anything."""
+SECONDS = 20.0
+"""The search ends after so long."""
+
+
+@dataclass(frozen=True)
+class Identified:
+    """What explains how theirs differs from ours."""
+
+    inputs: Changes
+    """By input: the wrong wiring that theirs behaves as."""
+    outputs: dict[str, Wrong]
+    """By output: what brings theirs to ours."""
+    before: float
+    after: float
+    """Difference on the same inputs, as a share of ours: as wired, and with all that is named."""
+    ports: dict[str, Port]
+    causes: tuple[Cause, ...] = ()
+    first: tuple[str, float] | None = None
+    """The output that differs first by a hundredth of its largest value, and when, s."""
+    equally: tuple[Changes, ...] = ()
+    """Other wirings of as few inputs that serve as well."""
+    complete: bool = True
+    """Whether the search ended before its time was over."""
+
+    @property
+    def named(self) -> bool:
+        """Whether what is left is small enough for the causes to be stated."""
+        part = PART * self.before * (min(self.before, 1.0) if self.inputs or self.outputs else 1.0)
+        return self.before > SAME and self.after <= max(min(SMALL, part), SAME)
+
+
+class Search(Identifier):
+    """Looks for what explains the difference."""
+
+    def search(self) -> Identified:
+        """Looks at wirings: none, one of each input, one turn of all, pairs; then at what they leave."""
+        theirs = self._theirs_on(self.whole)
+        if self.given is None or theirs is None:
+            return Identified(self.base, {}, np.inf, np.inf, self.ports)
+        before, first = self._as_wired(theirs)
+        if before <= SAME:
+            return Identified({}, {}, before, before, self.ports)
+        ends, complete = monotonic() + SECONDS, True
+        singles = [{name: w} for name in self.inputs if name not in self.base for w in self.candidates(name)]
+        tried = self._ranked([{}, *singles, *self.common()], INSTANTS)
+        best = self._explained(tried, theirs, before, first)
+        if best.named and best.after <= ALIKE:
+            return best
+        if not best.named:
+            best = self._with_parameter(best, [], theirs, before, first)
+            if best.named:
+                return best
+        starts = [self._descend(changes, ends) for _, changes in tried[:4]]
+        found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), theirs, before, first)
+        best = min(best, found, key=_worth)
+        if not best.named:
+            pairs, complete = self._pairs(ends)
+            starts = [self._descend(changes, ends) for _, changes in pairs[:6]]
+            found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), theirs, before, first)
+            best = min(best, found, key=_worth)
+        if not best.named:
+            best = self._with_parameter(best, tried[:3], theirs, before, first)
+        return replace(best, complete=complete)
+
+    def _as_wired(self, theirs: dict[str, Floats]) -> tuple[float, tuple[str, float] | None]:
+        """Returns how far theirs is from ours with nothing changed, and which output differs first."""
+        ours = self._ours.play(self.whole)
+        assert ours is not None
+        errors, firsts = {}, []
+        for name in self.reference:
+            size, largest = float(np.linalg.norm(ours[name])) or 1.0, float(np.abs(ours[name]).max())
+            apart = theirs[name] - ours[name]
+            errors[name] = float(np.linalg.norm(apart)) / size
+            beyond = np.flatnonzero(np.abs(apart).max(axis=1) > SMALL * largest)
+            firsts += [(float(beyond[0]) * self._ours.step, name)] if len(beyond) else []
+        before = sum(self._weights[n] * min(x, 2.0) for n, x in errors.items()) / sum(self._weights.values())
+        if self.base:
+            before = max(before, 1.0)
+        return before, (min(firsts)[1], min(firsts)[0]) if firsts else None
+
+    def _explained(
+        self,
+        tried: Sequence[tuple[Score, Changes]],
+        theirs: dict[str, Floats],
+        before: float,
+        first: tuple[str, float] | None,
+        most: int = 5,
+    ) -> Identified:
+        """Returns the wiring among the nearest that, with causes, leaves least of the whole run."""
+        plain = [pair for pair in tried if not pair[1]][:1]
+        found: list[Identified] = []
+        for score, changes in [*plain, *tried[:most]]:
+            every = {**self.base, **changes}
+            ours = self._ours.play(self.misread(self.whole, every))
+            if ours is None or not np.isfinite(score.error):
+                continue
+            for outputs in ({}, score.outputs) if score.outputs else ({},):
+                causes, after = self.explain(ours, theirs, outputs)
+                found.append(Identified(every, outputs, before, after, self.ports, causes, first))
+        if not found:
+            return Identified({}, {}, before, before, self.ports, (), first)
+        best = min(found, key=_worth)
+        alike = [
+            one.inputs
+            for one in found
+            if one.after <= max(ALIKE, 1.05 * best.after)
+            and len(one.inputs) + len(one.outputs) == len(best.inputs) + len(best.outputs)
+            and len(one.causes) == len(best.causes)
+            and {n: w.name for n, w in one.inputs.items()} != {n: w.name for n, w in best.inputs.items()}
+        ]
+        return replace(best, equally=tuple(alike))
+
+    def explain(
+        self, ours: dict[str, Floats], theirs: dict[str, Floats], outputs: dict[str, Wrong]
+    ) -> tuple[tuple[Cause, ...], float]:
+        """Returns the causes of what is left of the whole run, and how much they leave."""
+        causes: list[Cause] = []
+        total = 0.0
+        for name in self.reference:
+            mended = outputs[name].apply(theirs[name]) if name in outputs else theirs[name]
+            time = np.arange(0.0, len(mended)) * self._ours.step
+            variable: Variable = self._ours.model.variables[name]
+            some, left = causes_of(name, ours[name], mended, time, variable.unit)
+            causes += some
+            size = float(np.linalg.norm(ours[name])) or 1.0
+            total += self._weights[name] * min(float(np.linalg.norm(left)) / size, 2.0)
+        return tuple(causes), total / sum(self._weights.values())
+
+    def _with_parameter(
+        self,
+        best: Identified,
+        tried: Sequence[tuple[Score, Changes]],
+        theirs: dict[str, Floats],
+        before: float,
+        first: tuple[str, float] | None,
+    ) -> Identified:
+        """Looks for a parameter of another value, with no wiring or with one of the nearest."""
+        assert self.given is not None
+        wirings = [changes for _, changes in tried if changes] or [{}]
+        for changes in wirings:
+            read = self.misread(self.few, {**self.base, **changes})
+            nearest = {n: self.given[n] for n in self.reference}
+            made = changed_parameter(self._ours, read, self.misread(self.whole, changes), nearest, theirs)
+            if made is not None:
+                cause, after = made
+                found = Identified({**self.base, **changes}, {}, before, after, self.ports, (cause,), first)
+                if found.named:
+                    return min(best, found, key=_worth)
+        return best
+
+    def _pairs(self, ends: float) -> tuple[list[tuple[Score, Changes]], bool]:
+        vectors = [n for n in self.inputs if self.ports[n].kind in ("vector", "rotation") and n not in self.base]
+        axes = {n: [w for w in self.candidates(n) if w.kind != "unit"] for n in vectors}
+        pairs = ({a: one, b: two} for a, b in combinations(vectors, 2) for one in axes[a] for two in axes[b])
+        found: list[tuple[Score, Changes]] = []
+        while part := list(islice(pairs, 200)):
+            found = sorted([*found, *self._ranked(part, COARSE)], key=lambda pair: pair[0].cost)[:8]
+            if found[0][0].error < ALIKE:
+                break
+            if monotonic() > ends:
+                return found, False
+        return found, True
+
+    def _ranked(self, tried: Sequence[Changes], count: int) -> list[tuple[Score, Changes]]:
+        scored = [(self.error(changes, count), changes) for changes in tried]
+        return sorted(scored, key=lambda pair: pair[0].cost)
+
+    def _descend(self, changes: Changes, ends: float) -> tuple[Score, Changes]:
+        """Takes the best change of one input after the other, as long as the cost gets smaller."""
+        score = self.error(changes)
+        for _ in range(3):
+            before = score.cost
+            for name in self.inputs:
+                if name in self.base or monotonic() > ends:
+                    continue
+                now = changes.get(name)
+                others = {n: w for n, w in changes.items() if n != name}
+                tried = [others] if now is not None else []
+                if score.error > ALIKE:  # else what is changed can only get less
+                    tried += [{**others, name: w} for w in self._near(name, now)]
+                if not tried:
+                    continue
+                reached, candidate = self._ranked(tried, INSTANTS)[0]
+                if reached.cost < score.cost:
+                    score, changes = reached, candidate
+            if score.cost >= before:
+                break
+        return score, changes
+
+    def _near(self, name: str, now: Wrong | None) -> list[Wrong]:
+        """Returns every change of an input, and those made of the present one and another."""
+        every = self.candidates(name)
+        if now is None or now.matrix is None:
+            return every
+        more = [w for w in every if w.matrix is not None and (w.kind == "unit") != (now.kind == "unit")]
+        return every + [
+            Wrong(f"{now.name}, {w.name}", "axes", now.matrix @ w.matrix) for w in more if w.matrix is not None
+        ]
+
+
+def _worth(found: Identified) -> float:
+    """Returns what of several explanations is best: what is left, and how much is said."""
+    left = max(found.after, SAME)
+    turns = {key_of(w) for w in found.inputs.values()}
+    said = len(turns) + len(found.outputs) + len({(c.kind, c.where) for c in found.causes})
+    hands = sum(left_handed(w) for w in found.inputs.values())
+    return left + CHANGE * said + 1e-4 * hands + MINUS * sum(map(minus_of, found.inputs.values()))
+
+
+def open_search(ours: Source, theirs: Source, block: str, stack: ExitStack) -> Search:
+    """Opens both for a bench in this process."""
+    return Search(Loop(ours), Loop(theirs), block, stack)
+
+
+def identify(ours: Source, theirs: Source, block: str) -> Identified:
+    """Returns what explains how the block of the second scenario differs from ours. Raises InputError."""
+    with ExitStack() as stack:
+        return open_search(ours, theirs, block, stack).search()

@@ -1,0 +1,92 @@
+"""Causes of a difference: each is made by arithmetic here, and has to be found with its size, or nothing is said."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from orchestration.acceptance.polarity.causes import causes_of
+from orchestration.quantities import parse_unit
+
+TIME = 0.1 * np.arange(1200)
+OURS = np.stack(
+    [
+        np.sin(0.31 * TIME) + 0.2 * np.cos(1.7 * TIME),
+        np.cos(0.23 * TIME),
+        0.5 * np.sin(0.9 * TIME) + 0.3 * np.cos(0.37 * TIME),
+    ],
+    axis=1,
+)
+
+
+def found(theirs):
+    causes, left = causes_of("torque", OURS, theirs, TIME, parse_unit("N.m"))
+    return [(c.kind, c.where, c.size) for c in causes], float(np.abs(left).max())
+
+
+def late(values, k):
+    return np.concatenate([np.repeat(values[:1], k, axis=0), values[:-k]])
+
+
+def filtered(values, constant):
+    out = values.copy()
+    for i in range(1, len(out)):
+        out[i] = out[i - 1] + (1.0 - np.exp(-0.1 / constant)) * (values[i] - out[i - 1])
+    return out
+
+
+def stuck(values, row):
+    out = values.copy()
+    out[row:, 1] = out[row, 1]
+    return out
+
+
+CASES = {
+    "delay": (late(OURS, 3), "torque", 3.0),
+    "delay by a fraction": (0.7 * late(OURS, 1) + 0.3 * late(OURS, 2), "torque", 1.3),
+    "hold": (OURS[np.arange(1200) // 4 * 4], "torque", 4.0),
+    "stuck": (stuck(OURS, 500), "torque[2]", 50.0),
+    "limit": (np.clip(OURS, -0.4, 0.4), "torque", 0.4),
+    "lag": (filtered(OURS, 0.8), "torque", 0.8),
+    "dead": (np.where(np.abs(OURS) < 0.1, 0.0, OURS), "torque", 0.1),
+    "quantum": (0.05 * np.round(OURS / 0.05), "torque", 0.05),
+    "gain": (OURS * [1.0, 0.8, 1.0], "torque[2]", 0.8),
+    "bias": (OURS + np.array([0.0, 0.0, 0.03]), "torque[3]", 0.03),
+    "single": (OURS.astype(np.float32).astype(float), "torque", 0.0),
+    "noise": (OURS + 0.05 * np.random.default_rng(4).normal(size=OURS.shape), "torque", 0.05),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_cause_is_named_with_its_place_and_size_and_leaves_nothing(name):
+    theirs, where, size = CASES[name]
+    causes, left = found(theirs)
+    assert [(kind, place) for kind, place, _ in causes] == [(name.partition(" ")[0], where)]
+    assert causes[0][2] == pytest.approx(size, rel=0.05)
+    assert left < 1e-6
+
+
+def test_axes_that_are_turned_a_little_are_told_by_angle():
+    angle = np.radians(2.0)
+    turn = np.array([[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
+    assert found(OURS @ turn.T)[0] == [("turned", "torque", pytest.approx(2.0))]
+
+
+@pytest.mark.parametrize(
+    "theirs",
+    [
+        OURS**3,
+        OURS + 0.1 * np.sin(TIME)[:, None],
+        filtered(OURS, 0.8) ** 3,
+        OURS * (1.0 + 0.3 * np.sin(0.05 * TIME))[:, None],
+    ],
+    ids=["cube", "another signal", "filtered and cubed", "a gain that varies"],
+)
+def test_nothing_is_said_of_a_difference_that_no_cause_explains(theirs):
+    """A slow signal is followed one step ahead by any filter: only its whole course counts."""
+    assert found(theirs)[0] == []
+
+
+def test_a_wrong_sign_or_unit_is_no_gain():
+    assert found(-OURS)[0] == []
+    assert found(1000.0 * OURS)[0] == []

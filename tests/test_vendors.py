@@ -1,0 +1,41 @@
+"""The generated set of vendors' FMUs: each kind can be made, and of some is said what was written beforehand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from orchestration.session.open import open_scenario
+from orchestration.session.read import load, read
+
+from .vendors import kinds, wrapper
+from .vendors.judge import judge
+
+SCENARIO = Path(__file__).parents[1] / "scenarios" / "paper_no_singularity.yaml"
+
+
+def test_each_kind_can_be_made_alone_and_has_a_truth_of_every_port():
+    for number, name in enumerate(kinds.KINDS):
+        case = kinds.make(number, [name], units=True)
+        assert case is not None
+        assert set(case.truth) == {port.ours for port in case.vendor.ports}
+        assert bool(case.named) == (case.answer == "wrong")
+        assert bool(case.causes) == (case.answer == "cause")
+
+
+@pytest.mark.parametrize(
+    ("kind", "seed", "fmi3"),
+    [("Euler angles", 5, False), ("axes of all, untold", 2, False), ("rate in N, untold", 1, False), ("late", 3, True)],
+)
+@pytest.mark.compile
+def test_what_was_written_beforehand_is_said_and_nothing_false(kind, seed, fmi3, tmp_path):
+    ours = read(SCENARIO)
+    opened = open_scenario(load(ours))
+    case = kinds.make(seed, [kind], units=True)
+    block = case.vendor.block
+    starts = [(start.element, start.value) for start in opened.plan.starts[block]]
+    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus[block], starts, fmi3)
+    verdict = judge(case, path, ours)
+    assert not verdict.false
+    assert (verdict.proposed, verdict.named) in ((True, None), (None, True)), verdict.said
