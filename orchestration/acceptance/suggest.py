@@ -2,6 +2,8 @@
 
 What it rests on stands beside each entry, and `unsure` where a second candidate is near or only a name speaks for it.
 Signs and axes no description tells: `orchestrate polarity` finds those.
+
+Longer than 250 lines: what each port is matched by, and the text that says so, are of one table of matches.
 """
 
 from __future__ import annotations

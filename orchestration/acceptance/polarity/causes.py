@@ -3,6 +3,7 @@
 Each hypothesis is fitted to one element of an output and leaves a residual. It is named where that is small against the
 difference, and small against what every other leaves; else nothing is named.
 
+Longer than 250 lines: one hypothesis after the other, each of some lines, which share their words and thresholds.
 Tests: tests/orchestration/acceptance/test_causes.py.
 """
 

@@ -54,19 +54,26 @@ class Identifier:
     def __init__(self, ours: Loop, theirs: Loop, block: str, stack: ExitStack) -> None:
         self.block = block
         nodes = list(dict.fromkeys(node for link in ours.plan.wiring.links for node in link.source))
-        _, signals = ours.record(nodes)
+        fed = [node for link in theirs.plan.wiring.links for node in link.source if node.block != block]
+        _, signals = ours.record(list(dict.fromkeys([*nodes, *fed])))
         flown = flown_inputs(ours, block, signals)
-        lively = max(int(_LIVELY * len(next(iter(flown.values())))), INSTANTS)
+        alone = {n: v for n, v in flown_inputs(theirs, block, signals).items() if n not in flown}
+        there = min(map(len, signals.values()))
+        lively = min(max(int(_LIVELY * there), INSTANTS), there)
         self.rows = np.unique(np.linspace(0, lively - 1, INSTANTS).astype(int))
         model = theirs.plan.models[block]
         self._ours, self._theirs = Bench(ours, block, stack), Bench(theirs, block, stack)
         every = ours.plan.scenario.blocks[block].every
+        self._alone, self._fed = set(alone), set(flown)  # inputs that only theirs has, and those of ours
+        flown |= alone
         self.whole = {n: v[::every][:_MOST] for n, v in flown.items()}
         self.few = {n: v[self.rows] for n, v in flown.items()}
-        shared = [n for n in flown if n in model.variables and model.variables[n].causality == "input"]
+        shared = [
+            n for n in flown if n in self._fed and n in model.variables and model.variables[n].causality == "input"
+        ]
         self.inputs = {n: self.few[n] for n in shared}
         fits = theirs.opened.prepared.fits.get(block)
-        reference = self._ours.play(self.few)
+        reference = self.ours_on(self.few)
         if reference is None:
             raise ValueError(f"{block}: ours refuses the inputs of its own run when they are played to it")
         own = {n: v for n, v in reference.items() if n in model.variables and model.variables[n].causality == "output"}
@@ -83,7 +90,7 @@ class Identifier:
         self.base: Changes = {}
         """What theirs has to be spared to take its inputs at all."""
         held = self._held(self.few)
-        again = self._ours.play(held)
+        again = self.ours_on(held)
         same = again is not None and all(
             np.abs(again[n][self._ends] - v).max() <= ALIKE * np.abs(v).max() for n, v in self.reference.items()
         )
@@ -96,8 +103,13 @@ class Identifier:
         self._ends = np.arange(1, len(self.rows) + 1) * HELD
         return {n: np.concatenate([v[:1], np.repeat(v, HELD, axis=0)]) for n, v in values.items()}
 
+    def ours_on(self, values: dict[str, Floats]) -> dict[str, Floats] | None:
+        """Returns what ours gives on these inputs."""
+        return self._ours.play({n: v for n, v in values.items() if n in self._fed})
+
     def _theirs_on(self, values: dict[str, Floats]) -> dict[str, Floats] | None:
         handed = {n: undo(self.base[n], v) if n in self.base else v for n, v in values.items() if n in self.inputs}
+        handed |= {n: values[n] for n in self._alone}
         return self._theirs.play(handed)
 
     def _take(self) -> dict[str, Floats] | None:
@@ -180,7 +192,7 @@ class Identifier:
         """Returns how far theirs is from ours that misreads its inputs so, on some of the instants."""
         n = len(self.rows)
         chosen = np.arange(n) if count >= n else np.linspace(0, n - 1, count).astype(int)
-        played = self._ours.play(self.misread({k: v[chosen] for k, v in self.few.items()}, {**self.base, **changes}))
+        played = self.ours_on(self.misread({k: v[chosen] for k, v in self.few.items()}, {**self.base, **changes}))
         if played is None or self.given is None:
             return Score(np.inf, np.inf)
         return self.scored(played, {k: v[chosen] for k, v in self.given.items()}, changes)

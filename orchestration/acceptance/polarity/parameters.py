@@ -63,7 +63,7 @@ def _left(
 
     def left(factor: float) -> float:
         values: dict[Element, float] = {e: float(starts.get(e, 0.0)) * factor for e in elements}
-        played = ours.play(inputs, values)
+        played = ours.play({n: v for n, v in inputs.items() if n in ours.model.variables}, values)
         if played is None:
             return np.inf
         errors = [

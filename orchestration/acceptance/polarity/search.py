@@ -95,7 +95,7 @@ class Search(Identifier):
 
     def _as_wired(self, theirs: dict[str, Floats]) -> tuple[float, tuple[str, float] | None]:
         """Returns how far theirs is from ours with nothing changed, and which output differs first."""
-        ours = self._ours.play(self.whole)
+        ours = self.ours_on(self.whole)
         assert ours is not None
         errors, firsts = {}, []
         for name in self.reference:
@@ -122,7 +122,7 @@ class Search(Identifier):
         found: list[Identified] = []
         for score, changes in [*plain, *tried[:most]]:
             every = {**self.base, **changes}
-            ours = self._ours.play(self.misread(self.whole, every))
+            ours = self.ours_on(self.misread(self.whole, every))
             if ours is None or not np.isfinite(score.error):
                 continue
             for outputs in ({}, score.outputs) if score.outputs else ({},):
