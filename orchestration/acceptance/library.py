@@ -16,6 +16,7 @@ from ..fmu.model import Model
 from ..swap.findings import Finding
 from . import binaries
 from .loader import Unresolved, unresolved
+from .machine import wrong
 
 
 def files(folder: Path) -> dict[str, Path]:
@@ -71,6 +72,10 @@ def look(description: Any, model: Model, files: Mapping[str, Path], findings: li
 def _library(
     platform: str, here: bool, model: Model, data: bytes, files: Mapping[str, Path], findings: list[Finding]
 ) -> None:
+    if built := wrong(platform, data, here):
+        text, level = f"{platform}: {built}", "error" if here else "warning"
+        findings.append(Finding(level, "binary", text, f"build it for {platform}"))  # type: ignore[arg-type]
+        return
     try:
         library = binaries.read(data)
     except binaries.Unreadable as error:

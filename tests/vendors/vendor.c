@@ -427,13 +427,30 @@ API int fmi2DoStep(void *instance, double time, double step, int keep)
 }
 
 #define NONE(name)                                                                                                     \
+    API int fmi2##name(void);                                                                                          \
     API int fmi2##name(void)                                                                                           \
     {                                                                                                                  \
         return ERROR;                                                                                                  \
     }
 NONE(SetDebugLogging)
 NONE(GetInteger)
-NONE(GetBoolean) NONE(GetString) NONE(SetInteger) NONE(SetBoolean) NONE(SetString) NONE(GetFMUstate) NONE(SetFMUstate)
-    NONE(FreeFMUstate) NONE(SerializedFMUstateSize) NONE(SerializeFMUstate) NONE(DeSerializeFMUstate)
-        NONE(GetDirectionalDerivative) NONE(SetRealInputDerivatives) NONE(GetRealOutputDerivatives) NONE(CancelStep)
-            NONE(GetStatus) NONE(GetRealStatus) NONE(GetIntegerStatus) NONE(GetBooleanStatus) NONE(GetStringStatus)
+NONE(GetBoolean)
+NONE(GetString)
+NONE(SetInteger)
+NONE(SetBoolean)
+NONE(SetString)
+NONE(GetFMUstate)
+NONE(SetFMUstate)
+NONE(FreeFMUstate)
+NONE(SerializedFMUstateSize)
+NONE(SerializeFMUstate)
+NONE(DeSerializeFMUstate)
+NONE(GetDirectionalDerivative)
+NONE(SetRealInputDerivatives)
+NONE(GetRealOutputDerivatives)
+NONE(CancelStep)
+NONE(GetStatus)
+NONE(GetRealStatus)
+NONE(GetIntegerStatus)
+NONE(GetBooleanStatus)
+NONE(GetStringStatus)
