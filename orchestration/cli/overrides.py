@@ -5,6 +5,7 @@ Tests: tests/orchestration/cli/test_options.py, test_realtime.py, test_cli.py.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -76,6 +77,17 @@ class Changes:
     def blocks(self) -> list[str]:
         """Returns the blocks that are swapped."""
         return [swap.block for swap in self.given]
+
+    def diagnosis(self, scenario: Path) -> list[str]:
+        """Returns the commands that say why a loop with these swaps does not pass."""
+        again = [f"--set {shlex.quote(value)}" for value in self.sets]
+        again += [f"--duration {shlex.quote(self.duration)}"] if self.duration is not None else []
+        swaps = [f"--swap {shlex.quote(text)}" for text in self.swaps] + [f"--map {shlex.quote(t)}" for t in self.maps]
+        name = shlex.quote(str(scenario))
+        lines = [f"orchestrate polarity {' '.join([name, *swaps, *again])}"]
+        if len(self.swaps) == 1:
+            lines.append(f"orchestrate compare {' '.join([name, *swaps, *again])}")
+        return lines
 
     def unswapped(self, path: Path) -> Source:
         """Returns the scenario of a file with all of them but --swap and --map."""

@@ -122,6 +122,11 @@ def command(
         save(result, target, format_)
         if figures and len(result.time):
             result.draw(target / "figures")
+    if change.swaps and status in (BLOCK_FAILED, EXPECTATION_FAILED):
+        tell = complain if quiet else say
+        tell("a block is swapped, and the run does not pass; what it does otherwise than ours, and the mapping:")
+        for line in change.diagnosis(scenario):
+            tell(f"  {line}")
     if not quiet:
         say(f"\nresults in {target}")
     if open_:

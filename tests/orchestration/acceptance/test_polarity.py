@@ -263,6 +263,6 @@ def test_no_cause_is_named_where_it_leaves_more_than_a_hundredth(tmp_path):
     words = " ".join(told.stdout.split())
     assert "behaves as wired wrongly" not in words
     assert re.search(
-        r"controller: on the same inputs its outputs differ by \d+(\.\d+)? % of ours; no other sign", words
+        r"controller: on the same inputs its outputs differ by \d+(\.\d+)? % of ours, \w+ first, at 0 s; no other sign", words
     )
     assert "so none is named" in words
