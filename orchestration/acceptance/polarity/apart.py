@@ -28,13 +28,18 @@ def apart(block: str, task: Callable[P, T], *args: P.args, **named: P.kwargs) ->
         raise BlockError(block, "a run alone", "ended the process in which it ran; the FMU has crashed") from None
 
 
-def flown(source: Source) -> Found | None:
-    """Returns the first that a loop does not meet, None where it meets all. Raises InputError and BlockError."""
+def flown(source: Source) -> tuple[Found | None, BlockError | None]:
+    """Returns the first that a loop does not meet, None where it meets all, and what ended the run early.
+
+    Raises InputError and BlockError.
+    """
     return apart("polarity", _fly, source)
 
 
-def _fly(source: Source) -> Found | None:
-    return Loop(inside(source)).fly()[0]
+def _fly(source: Source) -> tuple[Found | None, BlockError | None]:
+    loop = Loop(inside(source))
+    found, _ = loop.fly()
+    return found, loop.failure
 
 
 def inside(source: Source) -> Source:

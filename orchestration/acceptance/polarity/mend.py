@@ -81,7 +81,7 @@ def mend(ours: Source, theirs: Source, block: str) -> Mended:
             data["ports"][name] = _mended(entry, found.ports[name], wrong, causality, factor)
     left = None
     if behaves:
-        left = flown(theirs.with_entry(("blocks", block, "map"), data))
+        left, _ = flown(theirs.with_entry(("blocks", block, "map"), data))
     words = [", ".join(f"{n}: {w.name}" for n, w in other.items()) for other in found.equally] if found.named else []
     causes = found.causes if found.named else ()
     return Mended(

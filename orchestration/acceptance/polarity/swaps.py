@@ -51,7 +51,7 @@ def look(ours: Source, theirs: Source, blocks: Sequence[str]) -> Looked:
     for block in looked.proposed:
         ignored = loop.opened.prepared.fits[block].ignored.values()
         looked.ignored[block] = [variable.name for variable in ignored if variable.causality == "input"]
-    looked.wrong = flown(looked.source)
+    looked.wrong, failure = flown(looked.source)
     looked.left = looked.wrong
     for block in blocks:
         found = mend(ours, looked.source, block)
@@ -59,7 +59,9 @@ def look(ours: Source, theirs: Source, blocks: Sequence[str]) -> Looked:
         if found.behaves:
             looked.source = looked.source.with_entry(("blocks", block, "map"), found.mapping)
     if any(found.behaves for found in looked.mended):
-        looked.left = looked.mended[-1].left if len(blocks) == 1 else flown(looked.source)
+        looked.left = looked.mended[-1].left if len(blocks) == 1 else flown(looked.source)[0]
+    elif failure is not None and failure.time is None:  # no wiring explains it: the FMU fails by itself
+        raise failure
     return looked
 
 
