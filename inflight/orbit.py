@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from sgp4.api import SGP4_ERRORS, Satrec, SatrecArray
 
 from orchestration.errors import InputError, Place, Problem, reason
+from orchestration.scenario.orbit import Ephemeris
 from plant import sun
 from plant.geomagnetic import Field
 from plant.orbit import WGS84_FLATTENING, WGS84_RADIUS
 from plant.tables.field_models import from_package
-from plant.time_scales import EARTH_RATE, days_since_j2000, decimal_year, gmst
+from plant.time_scales import EARTH_RATE, days_since_j2000, decimal_year, gmst, parse_epoch
 
 Floats = NDArray[np.float64]
 
@@ -109,6 +110,24 @@ def read_elements(path: Path) -> list[Satrec]:
     if not sets:
         raise InputError(f"{path}: expected two-line element sets, found none")
     return sets
+
+
+def ephemeris(path: Path, start: str, t: Floats) -> Ephemeris:
+    """Returns what a scenario's `orbit` takes: a plant's start values at t = 0, UTC `start`, and the columns `r_N` and
+    `v_N` at t (n,), s. Raises InputError."""
+    try:
+        epoch = parse_epoch(start)
+    except ValueError as error:
+        raise InputError(f"start: {error}") from None
+    sets = read_elements(path)
+    first, whole = orbit_at(sets, epoch, np.zeros(1)), orbit_at(sets, epoch, t)
+    values = {
+        "orbit_start": "position_velocity",
+        "r_N0": first.r_N[0].tolist(),
+        "v_N0": first.v_N[0].tolist(),
+        "epoch": f"{epoch:%Y-%m-%dT%H:%M:%S.%f}".rstrip("0").rstrip(".") + "Z",
+    }
+    return Ephemeris(values, {"r_N": ("m", whole.r_N), "v_N": ("m/s", whole.v_N)})
 
 
 def _sum_is_right(line: str) -> bool:

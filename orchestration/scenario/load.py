@@ -8,6 +8,7 @@ from typing import Any
 from ..errors import InputError
 from . import complaints
 from .extends import extended
+from .orbit import resolved
 from .scenario import Scenario
 from .source import Source
 
@@ -30,5 +31,10 @@ def load(scenario: Mapping[str, Any] | Source, overrides: Mapping[str, Any] | No
         )
         raise InputError(source.error((), message))
     loaded = complaints.checked(Scenario, source)
+    by_orbit = {name: entry for name, entry in loaded.blocks.items() if entry.orbit is not None}
+    if by_orbit:
+        for name, entry in by_orbit.items():
+            source = resolved(source, name, entry, loaded.duration)
+        loaded = complaints.checked(Scenario, source)
     loaded._source = source
     return loaded

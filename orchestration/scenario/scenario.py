@@ -17,6 +17,7 @@ from .faults import Fault
 from .figures import FigureEntry
 from .live import Live
 from .mapping import MapEntry
+from .orbit import OrbitEntry
 from .realtime import Realtime
 from .references import Connection, Name, Reference, Selection
 from .source import Key, Source
@@ -27,7 +28,7 @@ from .view import ViewEntry
 
 
 def _fmu_or_telemetry(schema: dict[str, Any]) -> None:
-    schema["anyOf"] = [{"required": ["fmu"]}, {"required": ["telemetry"]}]
+    schema["anyOf"] = [{"required": ["fmu"]}, {"required": ["telemetry"]}, {"required": ["orbit"]}]
     schema["properties"]["fmu"].pop("default", None)
 
 
@@ -40,6 +41,9 @@ class BlockEntry(Model):
     """One of the project's own blocks by its name, or the path of an .fmu file, relative to the scenario."""
     telemetry: Telemetry | None = None
     """In place of `fmu`: a file of recorded columns, which are outputs at the instants of its rows."""
+    orbit: OrbitEntry | None = None
+    """In place of `fmu`: position and velocity by element sets, as a record; beside `fmu`: start values that put the
+    block on that orbit."""
     flavour: Flavour | None = None
     """Which build of one of the project's own blocks; default: the scenario's."""
     isolation: Isolation | None = None
@@ -69,8 +73,10 @@ class BlockEntry(Model):
 
     @model_validator(mode="after")
     def _one_of_both(self) -> BlockEntry:
-        if bool(self.fmu) == (self.telemetry is not None):
-            raise ValueError(f"expected either 'fmu' or 'telemetry', found {'both' if self.fmu else 'neither'}")
+        if self.telemetry is not None and (self.fmu or self.orbit):
+            raise ValueError(f"expected 'telemetry' alone, found '{'fmu' if self.fmu else 'orbit'}', too")
+        if not (self.fmu or self.telemetry or self.orbit):
+            raise ValueError("expected either 'fmu', 'telemetry' or 'orbit', found neither")
         return self
 
 
