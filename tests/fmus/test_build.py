@@ -188,6 +188,25 @@ def test_every_file_that_makes_an_fmu_counts_for_its_fingerprint(
         assert len(seen) == number, name
 
 
+def test_tables_that_a_block_borrows_count_for_its_fingerprint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both where the files are looked at and where their content is hashed, as another process does."""
+    from fmus import fingerprint as module
+
+    lender = tmp_path / "lender"
+    (lender / "native").mkdir(parents=True)
+    (lender / "tables").mkdir()
+    monkeypatch.setattr(module, "lenders", lambda folder: {"gauss_models.h": lender})
+    monkeypatch.setattr(module, "_known", {})
+    monkeypatch.setattr(module, "kept", lambda kind, made_of, make: make())
+    block = module.Block.named("allocator")
+    seen = set()
+    for file in ("native/tables.py", "tables/epochs.txt"):
+        for content in ("", "1", "22"):
+            (lender / file).write_text(content)
+            seen.add(module.fingerprint(block, "native"))
+    assert len(seen) == 6
+
+
 def test_callers_that_ask_at_the_same_time_build_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     block, out, built = toy(tmp_path / "toy"), tmp_path / "out", []
 

@@ -122,6 +122,23 @@ def test_an_archive_of_systems_within_systems_runs(loop: Path) -> None:
     assert result.scenario.blocks["motor_1"].start["mode"] == "brake"
 
 
+def test_an_archive_runs_from_its_start_time_to_its_stop_time(loop: Path) -> None:
+    foreign(top='<ssd:DefaultExperiment startTime="3" stopTime="4.5"/>')
+    assert orchestration.run("foreign.ssp", {"step": 0.1}).time[-1] == 1.5
+
+
+def test_a_value_of_the_system_beats_that_of_its_element(loop: Path) -> None:
+    own = _component("motor 1", _connector("voltage", "input") + _connector("speed", "output"), _of_motor(7))
+    foreign(system=_SYSTEM.replace(_MOTOR, own), top=EXPERIMENT)
+    assert orchestration.run("foreign.ssp", {"step": 0.1})["motor_1.speed"][0] == 2.0
+    foreign(values=_value("motor 1.inertia", "Real", 0.5), system=_SYSTEM.replace(_MOTOR, own), top=EXPERIMENT)
+    assert orchestration.run("foreign.ssp", {"step": 0.1})["motor_1.speed"][0] == 7.0
+
+
+def _of_motor(speed: float) -> str:
+    return _parameters(_value("speed0", "Real", speed)) % ""
+
+
 def test_values_are_mapped_and_converted(loop: Path) -> None:
     entry = '<ssm:MappingEntry source="spin" target="motor 1.speed0"/>'
     mapping = f'<ssm:ParameterMapping version="1.0">{entry}</ssm:ParameterMapping>'

@@ -156,6 +156,16 @@ def test_a_decided_campaign_stops_early_and_says_so(toy):
     assert fly(toy).flown == finished.flown, "started again, nothing is left to be flown"
 
 
+def test_a_look_counts_no_run_beyond_it_whatever_has_been_flown(toy, monkeypatch):
+    changed(toy, ("runs: 60", "runs: 2000\nstop: decided"), ("below: 0.2 rad/s", "below: 1 rad/s"))
+    first = fly(toy, "first")
+    flown = engine.Flights.up_to
+    monkeypatch.setattr(engine.Flights, "up_to", lambda self, look, tell: flown(self, look + 40, tell))
+    ahead = fly(toy, "ahead")
+    assert ahead.flown > first.flown
+    assert ahead.verdicts == first.verdicts
+
+
 def test_the_share_of_runs_is_the_probability_in_closed_form(toy):
     """Below 0.2 rad/s ends what starts below 0.2/0.9^20 = 1.645 rad/s, of 1 to 2."""
     finished = fly(toy, runs=400)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,11 +16,14 @@ from fmus.interface import load as load_interface
 from orchestration import BlockError, InputError, load, run
 from orchestration.cli.main import main
 from orchestration.fmu.archive import open_fmu
+from orchestration.scenario.references import Name
 from orchestration.session.open import open_scenario
 from orchestration.session.refusal import refusal
+from orchestration.system.starts import taken
 from tests.commands import orchestrate
 
 from .. import vendor
+from ..mocks import model, real
 from ..swapped import swapped
 from ..wrong_inputs import SCENARIO
 
@@ -227,3 +231,25 @@ def test_the_system_as_an_archive_keeps_the_values_in_each_block(tmp_path, monke
     again = run("paper.ssp")
     assert (again["plant.dipole"] == run("paper.yaml")["plant.dipole"]).all()
     assert {again.manifest["parameters"][block]["dipole_max"] for block in ("plant", "allocator")} == {10.0}
+
+
+def test_a_shared_value_is_taken_by_its_quantity_and_not_by_another_one_of_the_same_name():
+    named = replace(real("size", "parameter"), quantity="size_of_wheel")
+    other = replace(real("width", "parameter"), quantity="size")
+    assert taken(model("a", named), Name("size")) is None
+    assert taken(model("a", named), Name("size_of_wheel")) == "size"
+    assert taken(model("a", named, other), Name("size")) == "width"
+    assert taken(model("a", real("size", "parameter")), Name("size[2]")) == "size[2]"
+    assert taken(model("a", real("size", "input")), Name("size")) is None
+
+
+@pytest.mark.parametrize("order", [("altitude", "orbit_radius"), ("orbit_radius", "altitude")])
+def test_an_option_beats_the_file_whichever_of_two_names_of_a_value_the_file_has(order):
+    in_file, in_option = order
+    values = {"altitude": "600 km", "orbit_radius": "7500 km"}
+    start = {"dipole_cmd": [0, 0, 0], "wheel_torque_cmd": 0}
+    blocks = {"plant": {"fmu": "plant", "start": start}}
+    loop = {"name": "l", "step": 1, "duration": 1, "blocks": blocks, "shared": {in_file: values[in_file]}}
+    starts = open_scenario(load(loop, {in_option: values[in_option]})).plan.starts["plant"]
+    (radius,) = (s.value for s in starts if s.element.variable == "orbit_radius")
+    assert radius == {"altitude": 6978137.0, "orbit_radius": 7.5e6}[in_option]

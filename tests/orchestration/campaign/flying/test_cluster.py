@@ -14,12 +14,14 @@ from contextlib import nullcontext
 from pathlib import Path
 from time import monotonic, sleep
 
+import numpy as np
 import pytest
 from distributed.comm import CommClosedError
 
 from orchestration.campaign import engine
 from orchestration.campaign.case import read_campaign
 from orchestration.campaign.flying import cluster
+from orchestration.campaign.flying.batches import Batch, Flown
 from orchestration.campaign.flying.cluster import each
 from orchestration.errors import InputError
 
@@ -161,3 +163,20 @@ def test_workers_import_nothing_from_the_working_folder(tmp_path):
     )
     assert ended.returncode == 0, ended.stderr
     assert not (tmp_path / "imported").exists()
+
+
+def test_runs_of_a_batch_whose_worker_dies_keep_their_own_points_of_a_hypercube(monkeypatch):
+    """Flown run by run; the second dies each time, and its row has its point, too."""
+    indices, points = np.array([4, 7, 9]), np.array([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6]])
+    crew = cluster.Cluster(None, "", None)
+    monkeypatch.setattr(crew, "_sent", lambda batch: batch)
+    monkeypatch.setattr(cluster, "lost", lambda job, index, point, reason: (index, *point))
+
+    def flown(future, batch):
+        dies = len(batch.indices) > 1 or batch.indices[0] == 7
+        rows = [(int(i), *point) for i, point in zip(batch.indices, batch.points, strict=True)]
+        return ValueError("it died") if dies else Flown(rows, batch)
+
+    monkeypatch.setattr(crew, "_flown", flown)
+    rows = [row for part in crew._alone(Batch(indices, points)) for row in part.rows]
+    assert rows == [(4, 0.1, 0.2), (7, 0.3, 0.4), (9, 0.5, 0.6)]
