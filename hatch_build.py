@@ -145,7 +145,9 @@ def _ready_made(folder: Path) -> None:
         (folder / name).mkdir()
         for platform, library in libraries.items():
             (folder / name / platform).write_bytes(library)
-    shutil.copy(ROOT / "LICENSE", folder)
+    for name in ("LICENSE", "CITATION.cff", "docs/evidence/proofs.md"):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, folder / name)
     for path in (ROOT / "scenarios").rglob("*.yaml"):
         target = folder / path.relative_to(ROOT)
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -41,9 +41,9 @@ def fingerprint(block: Block, flavour: str) -> str:
     The files are read anew only where one of their names, sizes or times has changed, since this process or another
     read them.
     """
-    license_ = places.shared("LICENSE").stat()
-    license_of = license_.st_size, license_.st_mtime_ns
-    own = block.name, flavour, block.interface.source, license_of, _state(_HERE, flavour), _state(block.folder)
+    there = [path.stat() for path in map(places.shared, _SHARED) if path.exists()]
+    shared = tuple((file.st_size, file.st_mtime_ns) for file in there)
+    own = block.name, flavour, block.interface.source, shared, _state(_HERE, flavour), _state(block.folder)
     owners = _remembered(("owners", own), tuple, lambda: tuple(lenders(block.folder).values()))
     files = own, *map(_state, owners)
     packages = _remembered(("packages", files), list, lambda: data_packages(block.folder))
@@ -83,13 +83,14 @@ def _makes(folder: str, flavour: str) -> bool:
 
 
 _ALWAYS = "contents", "native"
+_SHARED = "LICENSE", "CITATION.cff"
 
 
 def _of_content(block: Block, flavour: str, versions: Iterable[tuple[str, str]]) -> str:
     makers = [*sorted(_HERE.glob("*.py")), *sorted((_HERE / "interfaces").glob("*.svg"))]
     makers += [path for folder in sorted({*_ALWAYS, flavour}) for path in _files(_HERE / folder)]
     digest = hashlib.sha256()
-    _add(digest, [places.shared("LICENSE"), *makers])
+    _add(digest, [*map(places.shared, _SHARED), *makers])
     digest.update(block.interface.source.encode())
     _add(digest, files_of(block.folder))
     if flavour == "native":

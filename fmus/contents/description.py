@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +20,8 @@ TOOL = "attitude-cosim"
 """The tool that our annotations name, of optional inputs and of quantities: FMI 2.0 has no attributes for them."""
 FRAME_N = "N is the mean equator and equinox of date"
 """In the description of each port with components in N: read as GCRS, positions and field would be wrong."""
+TOLERANCE = "1e-06"
+"""Of the default experiment: steps are of fixed orders, so no block changes them by it; tools ask for one."""
 DIMENSIONLESS = "1"
 """The unit of every Real without one, so that a master can tell dimensionless from not declared."""
 
@@ -47,19 +50,15 @@ def model_description(
     generation_tool: str,
     remark: str = "",
     sources: Sequence[str] = (),
+    origin: Mapping[str, str] | None = None,
 ) -> bytes:
-    """The XML file; `remark` follows the description, `sources` are the C files that the FMU carries. No date of the
-    build stands in it, so the same arguments give the same bytes. Raises QuantityError."""
-    root = ET.Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=interface.name,
-        guid=guid,
-        description=f"{interface.description}. {remark}" if remark else interface.description,
-        license="BSD-3-Clause",
-        generationTool=generation_tool,
-        variableNamingConvention="structured",
-    )
+    """The XML file; `remark` follows the description, `sources` are the C files that the FMU carries, `origin` has
+    author, version, copyright and date. No date of the build stands in it, so the same arguments give the same bytes.
+    Raises QuantityError."""
+    head = {"fmiVersion": "2.0", "modelName": interface.name, "guid": guid, "license": "BSD-3-Clause"}
+    head["description"] = f"{interface.description}. {remark}" if remark else interface.description
+    head |= {"generationTool": generation_tool, "variableNamingConvention": "structured"}
+    root = ET.Element("fmiModelDescription", head | dict(origin or {}))
     flags = {name: text_of(value) for name, value in vars(capabilities).items()}
     kind = ET.SubElement(root, "CoSimulation", {"modelIdentifier": interface.name, **flags})
     if sources:
@@ -71,9 +70,8 @@ def model_description(
     categories = ET.SubElement(root, "LogCategories")
     for name, about in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", name=name, description=about)
-    ET.SubElement(
-        root, "DefaultExperiment", startTime="0.0", stopTime=text_of(interface.stop), stepSize=text_of(interface.step)
-    )
+    times = {"startTime": "0.0", "stopTime": text_of(interface.stop), "stepSize": text_of(interface.step)}
+    ET.SubElement(root, "DefaultExperiment", times | {"tolerance": TOLERANCE})
     variables = ET.SubElement(root, "ModelVariables")
     for variable in interface.variables.values():
         for position, element in enumerate(variable.elements):
@@ -93,15 +91,43 @@ def guid_from(digest: str) -> str:
     return "{" + "-".join((digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32])) + "}"
 
 
-def about(variable: Variable) -> str:
+def about(variable: Variable, position: int | None = None) -> str:
     """The description with the frame of its components, and which value means that an optional input is not
-    connected."""
+    connected; of an element at its end which it is: `[x]`."""
     more = [f"frame: {variable.frame}"] if variable.frame else []
     if variable.frame and "N" in variable.frame.split():
         more.append(FRAME_N)
     if variable.optional:
         more.append(optional_text(variable))
-    return f"{variable.description} ({'; '.join(more)})" if more else variable.description
+    whole = f"{variable.description} ({'; '.join(more)})" if more else variable.description
+    axes = "" if position is None else axes_of(variable, position)
+    return f"{whole} [{axes}]" if axes else whole
+
+
+def axes_of(variable: Variable, position: int) -> str:
+    """In words which element of a vector or matrix stands at a position: `x`, `row x, column y`, `rod 1`, `wheel 2, z`,
+    `scalar` of a quaternion. Nothing where its components are of no axes."""
+    shape, words = variable.shape, []
+    if variable.each is not None and len(shape) > 0 and shape[0] != 3:
+        size = len(variable.elements) // shape[0]
+        words.append(f"{variable.each} {position // size + 1}")
+        shape, position = shape[1:], position % size
+    frame = variable.frame or ""
+    if frame == "rods" and shape == (3,):
+        words.append(f"rod {position + 1}")
+    elif frame and shape == (3,):
+        words.append("xyz"[position])
+    elif " from " in frame and shape == (4,):
+        words.append(("scalar", "x", "y", "z")[position])
+    elif frame and shape == (3, 3):
+        words.append(f"row {'xyz'[position // 3]}, column {'xyz'[position % 3]}")
+    return ", ".join(words)
+
+
+def item_about(variable: Variable, item: str) -> dict[str, str]:
+    """The attribute description of an enumeration's item, from the description of the variable: `'item': ...`."""
+    found = re.search(rf"'{re.escape(item)}': (.+?)(?:; '|$)", variable.description)
+    return {"description": found[1]} if found else {}
 
 
 def shown_units(interface: Interface) -> dict[str, set[str]]:
@@ -139,7 +165,7 @@ def _type_definitions(root: ET.Element, interface: Interface) -> None:
             continue
         items = ET.SubElement(entry, "Enumeration")
         for value, item in enumerate(variable.items, start=1):
-            ET.SubElement(items, "Item", name=item, value=str(value))
+            ET.SubElement(items, "Item", {"name": item, "value": str(value)} | item_about(variable, item))
 
 
 def type_name(variable: Variable, position: int = 0) -> str:
@@ -155,7 +181,7 @@ def _scalar_variable(parent: ET.Element, variable: Variable, position: int, elem
     attributes = {
         "name": element.name,
         "valueReference": str(element.value_reference),
-        "description": about(variable),
+        "description": about(variable, position),
         "causality": variable.causality,
         "variability": variable.variability,
     }

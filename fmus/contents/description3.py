@@ -7,15 +7,18 @@ differ in their units, which FMI 3.0 has no place for, is as many scalars. Tests
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 
 from ..interface import Element, Interface, Variable
 from ..units import display_factor, parse_unit
 from .description import (
     DIMENSIONLESS,
     LOG_CATEGORIES,
+    TOLERANCE,
     TOOL,
     Capabilities,
     about,
+    item_about,
     shown_units,
     text_of,
     type_name,
@@ -38,19 +41,12 @@ def names_3(variable: Variable) -> list[str]:
 
 
 def model_description_3(
-    interface: Interface, token: str, capabilities: Capabilities, generation_tool: str, remark: str = ""
+    interface: Interface, token: str, capabilities: Capabilities, generation_tool: str, origin: Mapping[str, str]
 ) -> bytes:
     """The XML file, whose bytes depend on the arguments only. Raises QuantityError."""
-    root = ET.Element(
-        "fmiModelDescription",
-        fmiVersion="3.0",
-        modelName=interface.name,
-        instantiationToken=token,
-        description=f"{interface.description}. {remark}" if remark else interface.description,
-        license="BSD-3-Clause",
-        generationTool=generation_tool,
-        variableNamingConvention="structured",
-    )
+    head = {"fmiVersion": "3.0", "modelName": interface.name, "instantiationToken": token, "license": "BSD-3-Clause"}
+    head |= {"description": interface.description, "generationTool": generation_tool}
+    root = ET.Element("fmiModelDescription", head | {"variableNamingConvention": "structured"} | dict(origin))
     flags = {
         "needsExecutionTool": capabilities.needsExecutionTool,
         "canBeInstantiatedOnlyOncePerProcess": capabilities.canBeInstantiatedOnlyOncePerProcess,
@@ -66,7 +62,7 @@ def model_description_3(
     for name, meaning in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", name=name, description=meaning.replace("fmi2", "fmi3"))
     stop, step = text_of(interface.stop), text_of(interface.step)
-    ET.SubElement(root, "DefaultExperiment", startTime="0.0", stopTime=stop, stepSize=step)
+    ET.SubElement(root, "DefaultExperiment", startTime="0.0", stopTime=stop, stepSize=step, tolerance=TOLERANCE)
     variables = ET.SubElement(root, "ModelVariables")
     time = {"name": "time", "valueReference": str(len(interface.elements)), "causality": "independent"}
     ET.SubElement(variables, "Float64", time | {"variability": "continuous", "unit": "s"})
@@ -106,7 +102,7 @@ def _types(root: ET.Element, interface: Interface) -> None:
     for name, variable in sorted(chosen.items()):
         entry = ET.SubElement(definitions, "EnumerationType", name=name)
         for value, item in enumerate(variable.items, start=1):
-            ET.SubElement(entry, "Item", name=item, value=str(value))
+            ET.SubElement(entry, "Item", {"name": item, "value": str(value)} | item_about(variable, item))
 
 
 def _variable(parent: ET.Element, variable: Variable, elements: tuple[Element, ...]) -> None:
@@ -114,7 +110,7 @@ def _variable(parent: ET.Element, variable: Variable, elements: tuple[Element, .
     attributes = {
         "name": variable.name if whole else elements[0].name,
         "valueReference": str(elements[0].value_reference),
-        "description": about(variable),
+        "description": about(variable, None if whole else variable.elements.index(elements[0])),
         "causality": variable.causality,
         "variability": variable.variability,
     }

@@ -15,6 +15,7 @@ from ..block import lenders, module_of
 from ..contents.archive import archive, common
 from ..contents.description import Capabilities, guid_from, model_description
 from ..contents.description3 import build_description, model_description_3
+from ..contents.origin import origin
 from ..interface import Interface
 from .carried import collected
 from .generate import arrays, block_header, ports_header, table
@@ -68,10 +69,12 @@ def package(
     files |= common(interface, folder, licence, HOST, version)
     c_files = [name for name in carried if name.endswith(".c")]
     if version == 2:
-        files["modelDescription.xml"] = model_description(interface, guid, CAPABILITIES, tool, sources=c_files)
+        files["modelDescription.xml"] = model_description(
+            interface, guid, CAPABILITIES, tool, sources=c_files, origin=origin()
+        )
         places = {platform: universal(list(slices.values())) for platform, slices in made.items()}
     else:
-        files["modelDescription.xml"] = model_description_3(interface, guid, CAPABILITIES, tool)
+        files["modelDescription.xml"] = model_description_3(interface, guid, CAPABILITIES, tool, origin())
         files["sources/buildDescription.xml"] = build_description(interface, c_files)
         places = {name: data for slices in made.values() for name, data in slices.items()}
     for place, library in places.items():

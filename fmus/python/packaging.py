@@ -21,6 +21,7 @@ from pythonfmu import FmuBuilder
 from ..block import files_of, importing_from, module_of, package_name
 from ..contents.archive import archive, common
 from ..contents.description import Capabilities, guid_from, model_description
+from ..contents.origin import origin
 from ..interface import Interface
 from ..native.toolchain import PLATFORMS
 from .shell import PLATFORM_ARGUMENTS, compile_shell, shell_sources
@@ -90,7 +91,7 @@ def package(interface: Interface, folder: Path, licence: Path | None) -> bytes:
     return archive(
         _finish(files, entry, interface.name, guid)
         | {
-            "modelDescription.xml": model_description(interface, guid, CAPABILITIES, tool, NEEDS),
+            "modelDescription.xml": model_description(interface, guid, CAPABILITIES, tool, NEEDS, origin=origin()),
             "resources/requirements.txt": REQUIREMENTS.encode(),
             **common(interface, folder, licence, HOST),
             **_licence_of_pythonfmu(),

@@ -56,7 +56,8 @@ def unresolved(library: Library, beside: dict[str, Path]) -> Unresolved:
     return left
 
 
-_OF_THE_LOADER = {"__tls_get_addr", "_dl_find_object", "__gmon_start__"}
+_OF_THE_LOADER = {"__tls_get_addr", "_dl_find_object", "__gmon_start__", "calloc", "free", "malloc", "realloc"}
+"""With what every process has, since its C library has it: a library of either C library asks for memory so."""
 
 
 def _version(text: str) -> tuple[int, ...]:

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import replace
+from os.path import commonprefix
 from typing import Any
 
 from ..errors import InputError
@@ -182,9 +183,16 @@ def _variable(
         maxima=tuple(float(attribute("max", v) or "inf") for v in scalars) * repeat if ordered else (),
         nominal=min(_nominal(attribute("nominal", v)) for v in scalars) if native.type == "real" else 1.0,
         items=tuple((item.name, int(item.value)) for item in declared.items) if declared is not None else (),
-        description=scalar.description or "",
+        description=_common([v.description or "" for v in scalars]),
         first_index=first,
     )
+
+
+def _common(descriptions: list[str]) -> str:
+    """What the descriptions of all elements begin with, or the first where that is next to nothing."""
+    common = commonprefix(descriptions)  # character by character is meant  # noqa: RUF071
+    common = common.rstrip(" [(,;:")
+    return common if len(common) > 3 else descriptions[0]
 
 
 def _nominal(declared: Any) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tomllib
+import xml.etree.ElementTree as ET
 from dataclasses import asdict
 from pathlib import Path
 
@@ -12,6 +14,8 @@ from fmpy.validation import validate_fmu
 from fmus.build import ensure
 from fmus.contents.description import Capabilities, model_description
 from fmus.interface import BLOCKS, Interface, load
+
+ROOT = Path(__file__).parents[3]
 
 
 def _built(built_fmus: dict[str, Path], block: str) -> Path:
@@ -94,3 +98,32 @@ def test_the_capabilities_are_those_of_the_flavour(capable: bool, plant: Interfa
 @pytest.fixture
 def plant() -> Interface:
     return load("plant")
+
+
+def test_elements_say_their_axes_and_items_what_they_mean() -> None:
+    def described(block: str) -> tuple[dict[str, str], dict[str, str]]:
+        root = ET.fromstring(model_description(load(block), "{}", Capabilities(False), "tool"))
+        elements = {v.attrib["name"]: v.attrib["description"] for v in root.iter("ScalarVariable")}
+        return elements, {i.attrib["name"]: i.attrib.get("description", "") for i in root.iter("Item")}
+
+    plant, _ = described("plant")
+    assert plant["omega_B[2]"] == "Body rate relative to N (frame: B) [y]"
+    assert plant["R_NB[2,3]"].endswith("[row y, column z]")
+    assert plant["q_NB[1]"].endswith("[scalar]")
+    assert plant["dipole_cmd[3]"].endswith("[rod 3]")
+    wheels, _ = described("plant_wheels")
+    assert wheels["wheel_axis[2,3]"].endswith("[wheel 2, z]")
+    assert wheels["h_w[4]"].endswith("[wheel 4]")
+    for block in BLOCKS:
+        _, items = described(block)
+        assert all(items.values()), block
+    assert described("controller")[1]["inertial"] == "hold R_d0 in N"
+
+
+def test_the_description_has_its_authors_version_and_a_date_that_is_no_builds() -> None:
+    root = fmpy.read_model_description(str(ensure("allocator", here=True)))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    assert (root.version, root.author) == (project["version"], "the attitude-cosim authors")
+    assert root.copyright == "Copyright (c) 2026, the attitude-cosim authors"
+    assert root.generationDateAndTime == "2026-11-21T00:00:00Z"
+    assert float(root.defaultExperiment.tolerance) > 0.0

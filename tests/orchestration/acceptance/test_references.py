@@ -4,7 +4,6 @@ forms.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import zipfile
 from pathlib import Path
@@ -323,7 +322,7 @@ def test_what_cannot_be_played_here_is_told(changes, note, tmp_path):
 
 
 def test_the_manifest_is_of_the_draft_that_it_names():
-    """Names, roles and types of FMI-LS-REF 1.0.0-beta.1, and the default algorithm of its checksums."""
+    """Names, roles and types of FMI-LS-REF 1.0.0-beta.1, and no attribute that its schema does not know."""
     from lxml import etree
 
     with zipfile.ZipFile(ensure("plant")) as archive:
@@ -341,8 +340,8 @@ def test_the_manifest_is_of_the_draft_that_it_names():
         }
         assert listed["smoke-test.exp"].get("role") == "experiment/smoke-test"
         assert listed["smoke-test.exp"].get("type") == "application/x-ma-hs-experiments"
-        for name, entry in listed.items():
-            assert hashlib.sha3_256(archive.read(f"{FOLDER}/{name}")).hexdigest() == entry.get("checksum")
+        known = {"type", "source", "role", "description"}
+        assert all(set(entry.attrib) <= known for entry in listed.values())
 
 
 @pytest.mark.parametrize(
