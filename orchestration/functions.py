@@ -111,19 +111,32 @@ def check_polarity(scenario: Given, ports: Sequence[str] = (), *, workers: int |
     return trials.run(_source(scenario), None, ports, workers)
 
 
-def export_loop(scenario: Given, path: str | Path, *, for_orchestrate: bool = False) -> Path:
+def export_loop(
+    scenario: Given,
+    path: str | Path,
+    *,
+    for_orchestrate: bool = False,
+    ssp_version: str = "1.0",
+    numbers: bool = False,
+) -> Path:
     """Writes a scenario as an SSP archive (.ssp) or as one FMU that holds all (.fmu), and returns the path.
 
     `for_orchestrate` keeps rates, faults and delays in the archive's annotation, where only this program reads them.
-    Without it they are parameters and FMUs. Raises ResultsError where the file cannot be written.
+    Without it they are parameters and FMUs. An archive is one of SSP 1.0 or 2.0 (`ssp_version`); `numbers` writes its
+    enumerations as whole numbers. Raises ResultsError where the file cannot be written.
     """
     target = Path(path)
-    writers = {".ssp": ssp.write, ".fmu": container.write}
-    if target.suffix not in writers:
+    if target.suffix not in (".ssp", ".fmu"):
         raise InputError(Problem(expected="a name that ends in .ssp or .fmu", found=str(path), place=Place("path")))
-    loaded = load(_source(scenario))
+    if ssp_version not in ssp.VERSIONS:
+        expected = " or ".join(ssp.VERSIONS)
+        raise InputError(Problem(expected=expected, found=str(ssp_version), place=Place("ssp_version")))
+    system = flat(load(_source(scenario)), for_orchestrate and target.suffix == ".ssp")
     with writing(target):
-        writers[target.suffix](flat(loaded, for_orchestrate and target.suffix == ".ssp"), target)
+        if target.suffix == ".ssp":
+            ssp.write(system, target, ssp.Style(ssp_version, numbers))
+        else:
+            container.write(system, target)
     return target
 
 

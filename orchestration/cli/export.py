@@ -28,12 +28,13 @@ from .paths import PATH
     "export",
     epilog=examples(
         "orchestrate export loop.yaml --ssp loop.ssp",
+        "orchestrate export loop.yaml --ssp loop.ssp --ssp-version 2.0 --numbers",
         "orchestrate export loop.yaml --ssp loop.ssp --for-orchestrate",
         "orchestrate export loop.yaml --container loop.fmu --step 0.5",
     ),
 )
 @click.argument("scenario", type=PATH)
-@click.option("--ssp", type=PATH, metavar="FILE.ssp", help="As an SSP 1.0 archive: FMUs, connections and values.")
+@click.option("--ssp", type=PATH, metavar="FILE.ssp", help="As an SSP archive: FMUs, connections and values.")
 @click.option(
     "--container",
     type=PATH,
@@ -45,12 +46,24 @@ from .paths import PATH
     is_flag=True,
     help="Keep rates, faults and delays in the SSP archive's annotation, which only orchestrate reads.",
 )
+@click.option(
+    "--ssp-version",
+    type=click.Choice(ssp_writer.VERSIONS),
+    default="1.0",
+    show_default=True,
+    help="Which SSP the archive is of.",
+)
+@click.option(
+    "--numbers", is_flag=True, help="Enumerations of the SSP archive as whole numbers, for tools that know no items."
+)
 @changes("step", "flavour")
 def command(
     scenario: Path,
     ssp: Path | None,
     container: Path | None,
     for_orchestrate: bool,
+    ssp_version: str,
+    numbers: bool,
     change: Changes,
 ) -> None:
     """Write a scenario as a file that other FMI tools read.
@@ -75,7 +88,10 @@ def command(
     system = flat(loaded, kept=for_orchestrate and container is None)
     for path, suffix in targets:
         with writing(path):
-            (ssp_writer if suffix == ".ssp" else container_writer).write(system, path)
+            if suffix == ".ssp":
+                ssp_writer.write(system, path, ssp_writer.Style(ssp_version, numbers))
+            else:
+                container_writer.write(system, path)
         say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
 
 

@@ -127,25 +127,32 @@ def _time(count: float, step: Fraction) -> float:
     return float(int(count) * step) if count < math.inf else math.inf
 
 
-def with_inputs(fmu: Fmu, names: frozenset[str]) -> bytes:
-    """Returns the FMU with these parameters declared as inputs; its code, which sets both alike, is untouched."""
-    if not names:
+def with_inputs(fmu: Fmu, names: frozenset[str], numbers: bool) -> bytes:
+    """Returns the FMU with these parameters declared as inputs, and enumerations as integers where `numbers`.
+
+    Its code, which sets both alike, is untouched.
+    """
+    if not (names or numbers):
         return fmu.path.read_bytes()
     buffer = io.BytesIO()
     with zipfile.ZipFile(fmu.path) as source, zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as target:
         for entry in source.infolist():
             data = source.read(entry)
-            target.writestr(entry, _declared(data, names) if entry.filename == "modelDescription.xml" else data)
+            here = entry.filename == "modelDescription.xml"
+            target.writestr(entry, _declared(data, names, numbers) if here else data)
     return buffer.getvalue()
 
 
-def _declared(xml: bytes, names: frozenset[str]) -> bytes:
+def _declared(xml: bytes, names: frozenset[str], numbers: bool) -> bytes:
     root = ET.fromstring(xml)
     for entry in root.iter("ScalarVariable"):
         if entry.get("name") in names:
             real = entry.find("Real") is not None
             entry.attrib.pop("initial", None)
             entry.attrib |= {"causality": "input", "variability": "continuous" if real else "discrete"}
+        if numbers and (kind := entry.find("Enumeration")) is not None:
+            kind.tag = "Integer"
+            kind.attrib.pop("declaredType", None)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True)
 
 

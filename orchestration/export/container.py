@@ -38,7 +38,7 @@ def write(system: System, path: Path) -> None:
     with tempfile.TemporaryDirectory(prefix="orchestrate-") as temporary:
         work = Path(temporary)
         for component in system.components:
-            (work / _file(component.name)).write_bytes(component.content)
+            (work / _file(component.name)).write_bytes(component.content())
         (work / "container.json").write_text(json.dumps(_description(system, path.name)), "utf-8")
         try:
             Assembly(work / "container.json", fmu_directory=work).make_fmu(filename=path.name)

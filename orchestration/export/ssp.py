@@ -1,4 +1,4 @@
-"""Writes a scenario as an SSP 1.0 archive: SystemStructure.ssd, and in resources/ the FMUs and their parameter sets.
+"""Writes a scenario as an SSP archive: SystemStructure.ssd, and in resources/ the FMUs and their parameter sets.
 
 What SSP has no words for (step, rates, what is expected ...) goes into an annotation, which ssp/reader.py understands.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -19,16 +20,28 @@ from ..ssp.words import ANNOTATION, NAMESPACES, OPENMODELICA, OPENMODELICA_ANNOT
 from .system import Component, System, Value
 
 _TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String", "enumeration": "Enumeration"}
+VERSIONS = ("1.0", "2.0")
+"""Of SSP, that can be written."""
 _DATE = (1980, 1, 1, 0, 0, 0)
 
 
-def write(system: System, path: Path) -> None:
+@dataclass(frozen=True)
+class Style:
+    """How an archive is written."""
+
+    version: str = "1.0"
+    """Of SSP: 1.0 or 2.0. The documents of 2.0 have nothing that 1.0 lacks."""
+    numbers: bool = False
+    """Whether enumerations are whole numbers: several tools know no items."""
+
+
+def write(system: System, path: Path, style: Style = Style()) -> None:
     """Writes the archive. The same system gives the same bytes, but for FMUs that differ."""
-    files = {STRUCTURE: _structure(system)}
+    files = {STRUCTURE: _structure(system, style)}
     for component in system.components:
-        files[_resource(system, component)] = component.content
+        files[_resource(system, component)] = component.content(style.numbers)
         if component.values:
-            files[f"resources/{component.name}.ssv"] = parameter_set(component.values)
+            files[f"resources/{component.name}.ssv"] = parameter_set(component.values, style)
     with putting(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in files.items():
             info = zipfile.ZipInfo(name, _DATE)
@@ -43,9 +56,9 @@ def _resource(system: System, component: Component) -> str:
     return f"resources/{first.name}.fmu"
 
 
-def _structure(system: System) -> bytes:
+def _structure(system: System, style: Style) -> bytes:
     scenario = system.scenario
-    root = _element(None, "ssd:SystemStructureDescription", version="1.0", name=scenario.name)
+    root = _element(None, "ssd:SystemStructureDescription", version=style.version, name=scenario.name)
     if scenario.description:
         root.set("description", scenario.description)
     root.set("generationTool", "orchestrate")
@@ -53,7 +66,7 @@ def _structure(system: System) -> bytes:
     elements = _element(top, "ssd:Elements")
     for name in system.order:  # the order of the steps, for a host that takes that of the elements
         component = next(c for c in system.components if c.name == name)
-        _component(elements, component, _resource(system, component))
+        _component(elements, component, _resource(system, component), style)
     if system.wires:
         connections = _element(top, "ssd:Connections")
         for wire in system.wires:
@@ -66,24 +79,29 @@ def _structure(system: System) -> bytes:
                 _element(connection, "ssc:LinearTransformation", factor=repr(wire.factor), offset=repr(wire.offset))
     _annotations(top, system)
     ports = [port for component in system.components for port in component.ports]
-    _enumerations(root, "ssd", ((port.variable.name, port.variable.items) for port in ports))
+    if not style.numbers:
+        _enumerations(root, "ssd", ((port.variable.name, port.variable.items) for port in ports))
     _units(root, "ssd", (port.variable.unit for port in ports))
     _element(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(float(scenario.duration)))
     return xml_bytes(root)
 
 
 def _annotations(top: ET.Element, system: System) -> None:
-    """OpenModelica's first: OMSimulator takes the first one of the system for its own, and none at the root."""
+    """OpenModelica's first: OMSimulator takes the first one of the system for its own, and none at the root.
+
+    Its command reads the element FixedStepMaster, its Python classes the attributes.
+    """
     annotations = _element(top, "ssd:Annotations")
     entry = _element(annotations, "ssc:Annotation", type=OPENMODELICA_ANNOTATION)
+    step = repr(float(system.scenario.step))
     simulation = ET.SubElement(
-        ET.SubElement(entry, f"{{{OPENMODELICA}}}Annotations"), f"{{{OPENMODELICA}}}SimulationInformation"
+        ET.SubElement(entry, f"{{{OPENMODELICA}}}Annotations"),
+        f"{{{OPENMODELICA}}}SimulationInformation",
+        {"name": "steps", "method": "oms_ma", "fixedStepSize": step},
     )
+    tolerances = {"absoluteTolerance": "1e-4", "relativeTolerance": "1e-4"}
     ET.SubElement(
-        simulation,
-        f"{{{OPENMODELICA}}}FixedStepMaster",
-        {"description": "oms-ma", "stepSize": repr(float(system.scenario.step))}
-        | {"absoluteTolerance": "1e-4", "relativeTolerance": "1e-4"},
+        simulation, f"{{{OPENMODELICA}}}FixedStepMaster", {"description": "oms-ma", "stepSize": step, **tolerances}
     )
     ours = _element(annotations, "ssc:Annotation", type=ANNOTATION)
     ET.SubElement(ours, "scenario").text = json.dumps(_rest(system), ensure_ascii=False)
@@ -102,17 +120,18 @@ def _rest(system: System) -> dict[str, Any]:
     return data | {"blocks": {name: entry for name, entry in blocks.items() if entry}}
 
 
-def _component(parent: ET.Element, component: Component, source: str) -> None:
+def _component(parent: ET.Element, component: Component, source: str, style: Style) -> None:
     attributes = {"name": component.name, "type": "application/x-fmu-sharedlibrary", "source": source}
     entry = _element(parent, "ssd:Component", attributes, implementation="CoSimulation")
     if component.ports:
         connectors = _element(entry, "ssd:Connectors")
         for port in component.ports:
             connector = _element(connectors, "ssd:Connector", name=port.name, kind=port.kind)
-            kind = _element(connector, f"ssc:{_TAGS[port.variable.type]}")
+            tag = _tag(port.variable.type, style)
+            kind = _element(connector, f"ssc:{tag}")
             if port.variable.type == "real" and port.variable.unit is not None:
                 kind.set("unit", port.variable.unit.name)
-            if port.variable.type == "enumeration":
+            if tag == "Enumeration":
                 kind.set("name", port.variable.name)
     if component.values:
         bindings = _element(entry, "ssd:ParameterBindings")
@@ -120,26 +139,31 @@ def _component(parent: ET.Element, component: Component, source: str) -> None:
         _element(bindings, "ssd:ParameterBinding", attributes)
 
 
-def parameter_set(values: Sequence[Value]) -> bytes:
+def _tag(kind: str, style: Style) -> str:
+    return "Integer" if kind == "enumeration" and style.numbers else _TAGS[kind]
+
+
+def parameter_set(values: Sequence[Value], style: Style = Style()) -> bytes:
     """Returns the document of start values."""
-    root = _element(None, "ssv:ParameterSet", version="1.0", name=PARAMETER_SET)
+    root = _element(None, "ssv:ParameterSet", version=style.version, name=PARAMETER_SET)
     parameters = _element(root, "ssv:Parameters")
     for value in values:
-        kind = value.variable.type
+        tag = _tag(value.variable.type, style)
         parameter = _element(parameters, "ssv:Parameter", name=value.name)
-        entry = _element(parameter, f"ssv:{_TAGS[kind]}", value=_text(value))
-        if kind == "real" and value.variable.unit is not None:
+        entry = _element(parameter, f"ssv:{tag}", value=_text(value, tag))
+        if tag == "Real" and value.variable.unit is not None:
             entry.set("unit", value.variable.unit.name)
-        if kind == "enumeration":
+        if tag == "Enumeration":
             entry.set("name", value.variable.name)
     variables = [value.variable for value in values]
-    _enumerations(root, "ssv", ((variable.name, variable.items) for variable in variables))
+    if not style.numbers:
+        _enumerations(root, "ssv", ((variable.name, variable.items) for variable in variables))
     _units(root, "ssv", (variable.unit for variable in variables))
     return xml_bytes(root)
 
 
-def _text(value: Value) -> str:
-    if value.variable.type == "enumeration":
+def _text(value: Value, tag: str) -> str:
+    if tag == "Enumeration":
         return next(name for name, number in value.variable.items if number == value.value)
     if isinstance(value.value, bool):
         return str(value.value).lower()

@@ -10,7 +10,6 @@ import atexit
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 
 from fmus.changes import packed
 from fmus.interface import SAMPLE_PERIOD
@@ -68,10 +67,9 @@ class Component:
     fed: frozenset[str] = frozenset()
     """Parameters that are inputs in the exported copy of the FMU."""
 
-    @cached_property
-    def content(self) -> bytes:
-        """The bytes of the exported FMU."""
-        return with_inputs(self.fmu, self.fed)
+    def content(self, numbers: bool = False) -> bytes:
+        """Returns the bytes of the exported FMU, whose enumerations are integers where `numbers`."""
+        return with_inputs(self.fmu, self.fed, numbers)
 
 
 @dataclass(frozen=True)

@@ -126,9 +126,16 @@ def _link(
     label = f"{ours.causality} {ours.name}" + (f" = {names}" if names != ours.name else "")
     settable = ours.causality == "parameter" and ours.variability == "tunable"
     for variable in theirs:
-        if variable.causality != ours.causality and not (settable and variable.causality == "input"):
+        if settable and variable.causality == "input":
+            text = f"{label}: {variable.name} is an input, which keeps its start value unless it is connected"
+            fitted.say("note", "causality", text)
+        elif variable.causality != ours.causality:
             text = f"{label}: {variable.name} is of causality {variable.causality}, expected {ours.causality}"
             return fitted.say("error", "causality", text, "map it to another variable, or change the FMU", key)
+        if ours.type == "enumeration" and variable.type == "integer":
+            text = f"{label}: {variable.name} is integer, and takes the numbers of the items: {ours.items_text}"
+            fitted.say("note", "type", text, "check that theirs are the same")
+            continue
         if variable.type != ours.type:
             text = f"{label}: {variable.name} is {variable.type}, expected {ours.type}"
             return fitted.say("error", "type", text, "change the type in the FMU", key)

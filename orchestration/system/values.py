@@ -111,8 +111,10 @@ def scalar(variable: Variable, position: int, value: Any) -> Scalar:
 
 
 def item(variable: Variable, value: Any) -> int:
-    """The number of an enumeration's item, given by its name."""
+    """The number of an enumeration's item, given by its name, or by its number as archives for other tools have it."""
     items = dict(variable.items)
+    if type(value) is int and value in items.values():
+        return value
     if isinstance(value, bool) or str(value) not in items:
         match = suggestion(nearest(str(value), items))
         raise QuantityError(f"expected one of {', '.join(items)}, found {as_written(value)}{match}")

@@ -77,12 +77,12 @@ def prepare(folder: Path) -> None:
         _orchestrate("export", SCENARIO, "--step", step, "--ssp", inner / "adcs.ssp", "--container", inner / "adcs.fmu")
 
 
-def prepare_item(folder: Path) -> Path:
+def prepare_item(folder: Path, *options: str) -> Path:
     """The same with an enumeration's item that is not the FMU's own; returns the scenario."""
     scenario = folder / "item.yaml"
     item = "blocks: {controller: {start: {gain_schedule: constant}}}"
     scenario.write_text(f"extends: {SCENARIO.as_posix()}\n{item}\n", "utf-8")
-    _orchestrate("export", scenario, "--ssp", folder / "adcs.ssp", "--container", folder / "adcs.fmu")
+    _orchestrate("export", scenario, "--ssp", folder / "adcs.ssp", "--container", folder / "adcs.fmu", *options)
     return scenario
 
 

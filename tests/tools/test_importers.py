@@ -142,3 +142,14 @@ def test_an_enumeration_s_item_is_never_ignored_in_silence(recipe: Recipe, tmp_p
         return
     _, error = measure.play(recipe, tmp_path)
     np.testing.assert_array_equal(error, measure.loop(scenario, 0.1, recipe.exchange))
+
+
+@pytest.mark.parametrize("recipe", LOOPS[:3], ids=lambda r: r.script.removesuffix(".py"))
+def test_every_reader_has_an_enumeration_that_is_written_as_a_number(recipe: Recipe, tmp_path: Path) -> None:
+    needs(recipe)
+    scenario = measure.prepare_item(tmp_path, "--numbers")
+    time, error = measure.play(recipe, tmp_path)
+    ours = measure.loop(scenario, 0.1, recipe.exchange)
+    index = np.rint(time / 0.1).astype(int) + recipe.ahead
+    np.testing.assert_allclose(error[index < len(ours)], ours[index[index < len(ours)]], rtol=0, atol=1e-9)
+    assert abs(ours - measure.loop(measure.SCENARIO, 0.1, recipe.exchange)).max() > 1e-3

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
+import pyssp_standard
 import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
@@ -79,6 +80,24 @@ def test_a_loop_comes_back(loop: Path, change: str) -> None:
     direct, back = orchestration.run(loop.name), orchestration.run("loop.ssp")
     assert back.labels == direct.labels
     assert np.array_equal(back.samples, direct.samples)
+
+
+@pytest.mark.parametrize("options", [("--ssp-version", "2.0"), ("--numbers",), ("--ssp-version", "2.0", "--numbers")])
+def test_an_archive_of_ssp_2_and_one_with_numbers_are_valid_and_come_back(loop: Path, options: tuple[str, ...]) -> None:
+    loop.write_text(LOOPS["with an item"](loop.read_text()))
+    printed("export", loop.name, "--ssp", "loop.ssp", *options)
+    with zipfile.ZipFile("loop.ssp") as archive:
+        documents = {n: archive.read(n) for n in archive.namelist() if n.endswith((".ssd", ".ssv"))}
+        archive.extract("resources/motor.fmu")
+    schemas = Path(pyssp_standard.__file__).parent / "resources" / "ssp2"
+    for name, text in documents.items():
+        kind = {".ssd": "Description", ".ssv": "ParameterValues"}[Path(name).suffix]
+        root = etree.fromstring(text)
+        etree.XMLSchema(etree.parse(schemas / f"SystemStructure{kind}.xsd")).assertValid(root)
+        assert root.get("version") == ("2.0" if "2.0" in options else "1.0")
+    assert (b"<ssv:Enumeration" in documents["resources/motor.ssv"]) == ("--numbers" not in options)
+    assert validate_fmu("resources/motor.fmu") == []
+    assert np.array_equal(orchestration.run("loop.ssp").samples, orchestration.run(loop.name).samples)
 
 
 def test_units_that_differ_are_converted_by_a_transformation_that_comes_back(loop: Path) -> None:

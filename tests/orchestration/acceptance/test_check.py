@@ -211,8 +211,8 @@ def test_what_the_validator_finds_is_told(here):
                 'name="gain" valueReference="3" causality="input"',
             ),
             "causality",
-            "error",
-            "gain is of causality input, expected parameter",
+            "note",
+            "gain is an input, which keeps its start value unless it is connected",
         ),
         (('<Real start="-1"/>', '<Real start="-2"/>'), "start", "note", "gain: -2, ours -1"),
         (
