@@ -13,10 +13,13 @@ from ...fmu.model import Element, Floats
 from .bench import Bench
 from .causes import Cause
 
-_STARTS = (0.5, 0.8, 1.25, 2.0)
+_STARTS = (0.5, 0.8, 1.25, 2.0, *np.geomspace(0.4, 2.5, 33).tolist())
+"""Factors that are tried first: limits and holds make many small steps."""
 _GOLDEN = (5.0**0.5 - 1.0) / 2.0
 _SERVES = 1e-4
 """A share of the outputs' size up to which a parameter of another value explains them."""
+_NEAR, _MOST = 0.05, 6
+"""One up to which it is looked at on the whole run, and for so many parameters."""
 
 
 def changed_parameter(
@@ -30,17 +33,23 @@ def changed_parameter(
 
     `few` and `whole` are inputs (instants, elements), `given_few` and `given` the outputs of theirs on them.
     """
-    found: list[tuple[float, str, float]] = []
+    found: list[tuple[float, str, float, float]] = []
     for name in _parameters(ours):
         left = _left(ours, name, few, given_few)
         start = min(_STARTS, key=left)
         if left(start) >= left(1.0):
             start = 1.0
-        factor, error = _least(left, start)
-        if error < _SERVES and abs(factor - 1.0) > 1e-4:
-            found.append((error, name, factor))
-    held = [(_left(ours, name, whole, given)(factor), name, factor) for _, name, factor in sorted(found)]
-    held = [one for one in held if one[0] < _SERVES]
+        factor, error = min(_least(left, start, 0.06), (start, left(start)), key=lambda pair: pair[1])
+        if error < _NEAR and abs(factor - 1.0) > 1e-4:
+            found.append((error, name, factor, start))
+    held: list[tuple[float, str, float]] = []
+    for _, name, *factors in sorted(found)[:_MOST]:
+        left = _left(ours, name, whole, given)
+        factor = min(factors, key=left)  # a limit acts at few instants: there the course may be flat
+        after = left(factor)
+        if _SERVES < after < _NEAR:
+            factor, after = _least(left, factor, 0.1)
+        held += [(after, name, factor)] if after < _SERVES else []
     if not held:
         return None
     after, name, factor = min(held)
@@ -76,9 +85,9 @@ def _left(
     return left
 
 
-def _least(left: Callable[[float], float], start: float) -> tuple[float, float]:
+def _least(left: Callable[[float], float], start: float, reach: float) -> tuple[float, float]:
     """Returns the factor near a start that leaves least, by the golden section in its logarithm."""
-    low, high = np.log(start) - 0.5, np.log(start) + 0.5
+    low, high = np.log(start) - reach, np.log(start) + reach
     a, b = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
     one, two = left(float(np.exp(a))), left(float(np.exp(b)))
     for _ in range(34):
