@@ -74,7 +74,7 @@ class _Suggestion:
         scores: dict[str, list[float]] = {}
         for match in sorted(pairs, key=lambda m: -m.score):
             scores.setdefault(match.ours.name, []).append(match.score)
-            elements = {e for name in match.candidate.names for e in self.theirs.variables[name].elements}
+            elements = {e for name in match.candidate.names for e in self._variable(name).elements}
             if match.ours.name in self.matches or elements & taken:
                 continue
             self.matches[match.ours.name] = match
@@ -82,6 +82,11 @@ class _Suggestion:
         for name, match in self.matches.items():
             near = [s for s in scores.get(name, ()) if s != match.score and abs(s - match.score) < _UNSURE]
             match.unsure = match.unsure or bool(near)
+
+    def _variable(self, name: str) -> Variable:
+        """Returns the variable of theirs that has this name, or an element of it."""
+        known = self.theirs.variables
+        return known[name] if name in known else known[name.partition("[")[0]]
 
     def _spare(self, variable: Variable) -> bool:
         """Whether it goes without: an optional input, or an output that no other block needs."""
@@ -221,7 +226,7 @@ class _Suggestion:
     def _by_size(self, match: _Match, own: Unit) -> Unit | None:
         """Returns a usual unit in which their start values have the size of ours; None where none or ours has."""
         names = match.candidate.names
-        elements = [e for name in names for e in self.theirs.variables[name].elements]
+        elements = [e for name in names for e in self._variable(name).elements]
         theirs = sum(float(self.theirs.starts.get(e, 0.0) or 0.0) ** 2 for e in elements) ** 0.5
         ours = sum(float(self.reference.starts.get(e, 0.0) or 0.0) ** 2 for e in match.ours.elements) ** 0.5
         if not theirs or not ours or own.exponents == ONE.exponents:
@@ -270,7 +275,9 @@ class _Suggestion:
         for name, match in self.matches.items():
             lines.append(f"  {name}: {_entry(match)}  # {_comment(match)}")
         missing = [v for v in self.reference.model.of("input", "output", "parameter") if not self._stands(v)]
-        used = {name for match in self.matches.values() for name in match.candidate.names} | set(self.same)
+        used = {self._variable(name).name for match in self.matches.values() for name in match.candidate.names} | set(
+            self.same
+        )
         left = [v for v in self.theirs.of("input") if v.name not in used and not v.optional]
         ignore = []
         for variable in missing:

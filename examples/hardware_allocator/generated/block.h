@@ -2,6 +2,7 @@
 #include "actuators.h"
 
 #define BLOCK_GUID "{a380701c-3188-96dd-d753-d1091510c3e1}"
+#define BLOCK_FMI 2
 #define BLOCK_VARIABLES 26u
 #define BLOCK_REAL_OUTPUTS 1u
 
@@ -16,3 +17,8 @@ typedef ActuatorsLaw Law;
 #define block_start actuators_start
 #define block_outputs actuators_outputs
 #define block_step actuators_step
+#ifdef ACTUATORS_STATE_USED
+#define block_state_used ACTUATORS_STATE_USED
+#else
+#define block_state_used(x) sizeof(State)
+#endif

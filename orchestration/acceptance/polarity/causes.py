@@ -104,7 +104,7 @@ def causes_of(name: str, ours: Floats, theirs: Floats, time: Floats, unit: Unit 
 def _explained(s: Series, size: float) -> list[_Found]:
     """Returns what explains an element's difference; two where it has a gain and a bias; none where nothing does."""
     difference = s.theirs - s.ours
-    before = float(np.sqrt((difference * difference).mean()))
+    before = min(float(np.sqrt((x * x).mean())) for x in (difference, s.theirs))  # of what is tiny all is left
     if _is_single(s, size):
         return [("single", 0.0, "in single precision", np.zeros(len(s.ours)))]
     tried: list[tuple[float, list[_Found]]] = []

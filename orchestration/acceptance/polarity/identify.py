@@ -3,6 +3,7 @@
 Theirs is played on some instants of the lively part of the run of ours, each held for a while, so that what is late or
 slow has settled. Hypotheses are played on ours: a wiring misreads its inputs.
 
+Longer than 250 lines: the two benches and what is compared on them have one state.
 Tests: tests/orchestration/acceptance/test_polarity.py, tests/torture/polarity.py, tests/vendors.
 """
 
@@ -107,8 +108,15 @@ class Identifier:
         """Returns what ours gives on these inputs."""
         return self._ours.play({n: v for n, v in values.items() if n in self._fed})
 
-    def _theirs_on(self, values: dict[str, Floats]) -> dict[str, Floats] | None:
-        handed = {n: undo(self.base[n], v) if n in self.base else v for n, v in values.items() if n in self.inputs}
+    def theirs_on(self, values: dict[str, Floats], changes: Changes | None = None) -> dict[str, Floats] | None:
+        """Returns what theirs gives where it is handed what makes it read these inputs, misread as it does."""
+        handed = {n: v for n, v in values.items() if n in self.inputs}
+        for name, wrong in {**self.base, **(changes or {})}.items():
+            if wrong.along is not None:
+                R = values[wrong.along[0]].reshape(-1, 3, 3)
+                handed[name] = np.einsum("nij,nj->ni" if wrong.along[1] else "nji,nj->ni", R, values[name])
+            else:
+                handed[name] = undo(wrong, values[name])
         handed |= {n: values[n] for n in self._alone}
         return self._theirs.play(handed)
 
@@ -119,7 +127,7 @@ class Identifier:
             *({n: w} for n in self.inputs for w in self.candidates(n) if w.kind in ("unit", "attitude")),
         ]
         for self.base in tries:
-            played = self._theirs_on(self._steady)
+            played = self.theirs_on(self._steady)
             if played is not None and all(n in played for n in self.reference):
                 return {n: v[self._kept] for n, v in played.items()}
         self.base = {}
@@ -196,6 +204,13 @@ class Identifier:
         if played is None or self.given is None:
             return Score(np.inf, np.inf)
         return self.scored(played, {k: v[chosen] for k, v in self.given.items()}, changes)
+
+    def corrected(self, changes: Changes) -> Score:
+        """Returns how far theirs is from ours where its misreadings are undone: none of the two then meets a limit."""
+        played = self.theirs_on(self._steady, changes)
+        if played is None:
+            return Score(np.inf, np.inf)
+        return self.scored(self.reference, {n: v[self._kept] for n, v in played.items()}, changes)
 
     def scored(self, ours: dict[str, Floats], theirs: dict[str, Floats], changes: Changes) -> Score:
         """Returns the score of what ours and theirs gave."""

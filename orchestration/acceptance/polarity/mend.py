@@ -24,7 +24,7 @@ from .causes import Cause
 from .fly import Found, Loop
 from .identify import SAME
 from .ports import Port
-from .search import identify
+from .search import SMALL, identify
 from .wrongs import USUAL, Wrong, left_handed, wrongs
 
 _FACTOR = 1e-6
@@ -68,7 +68,9 @@ def mend(ours: Source, theirs: Source, block: str) -> Mended:
     data = present.model_dump(exclude_none=True, exclude_defaults=True)
     data["ports"] = {name: _data(entry) for name, entry in present.ports.items()}
     behaves: dict[str, str] = {}
-    explained = (("input", found.inputs), ("output", found.outputs)) if found.named else ()
+    given = {**data, "ports": dict(data["ports"])}
+    likely = found.named or found.likely
+    explained = (("input", found.inputs), ("output", found.outputs)) if likely else ()
     for causality, changes in explained:
         for name, wrong in changes.items():
             behaves[name] = wrong.name if causality == "input" else named(found.ports[name], wrong)
@@ -82,6 +84,8 @@ def mend(ours: Source, theirs: Source, block: str) -> Mended:
     left = None
     if behaves:
         left, _ = flown(theirs.with_entry(("blocks", block, "map"), data))
+    if not found.named and left is not None:  # only a loop that meets all confirms it
+        behaves, data, left = {}, given, None
     words = [", ".join(f"{n}: {w.name}" for n, w in other.items()) for other in found.equally] if found.named else []
     causes = found.causes if found.named else ()
     return Mended(
@@ -198,6 +202,8 @@ def in_words(mended: Mended) -> list[str]:
         no = "no other sign, axis, unit or attitude of its ports, and no other cause that is known, explains that"
         return [f"{differs}; {no}: the best leaves {100 * mended.after:.3g} %, so none is named"]
     lines = [f"{differs}; with what follows taken out, by {100 * mended.after:.2g} %"]
+    if mended.after > SMALL:
+        lines[0] += ", which nothing explains; the loop with the mapping meets all expectations and checks"
     if mended.behaves:
         lines.append(f"{mended.block} behaves as wired wrongly:")
         lines += [f"  {port}: {wrong}" for port, wrong in mended.behaves.items()]

@@ -3,6 +3,7 @@
 Wirings are searched on some instants (`identify`); what the nearest of them leave of the whole run is explained by
 `causes` and `parameters`. A cause is stated only where little is left with it.
 
+Longer than 250 lines: what is found, when it may be stated, and the order of the search decide on each other.
 Tests: tests/orchestration/acceptance/test_polarity.py, tests/torture/polarity.py, tests/vendors.
 """
 
@@ -29,6 +30,10 @@ SMALL = 0.01
 """Share of ours by which theirs may still differ for a cause to be named; beyond it, the difference alone is told."""
 PART = 0.02
 """And part of the difference as wired; of a wiring times that difference, since a small one could be anything."""
+_LARGE, _MOST_LEFT = 0.3, 0.15
+"""A wiring that leaves so much at most of a difference larger than that is flown, and named where all is met."""
+_SOME = 12
+"""So many of the nearest wirings are tried on theirs."""
 SECONDS = 20.0
 """The search ends after so long."""
 
@@ -54,6 +59,12 @@ class Identified:
     """Whether the search ended before its time was over."""
 
     @property
+    def likely(self) -> bool:
+        """Whether a wiring takes most of a large difference away, so that a loop may confirm it."""
+        wired = bool(self.inputs or self.outputs) and not self.causes
+        return wired and self.before > _LARGE and self.after <= min(_MOST_LEFT, 0.1 * self.before)
+
+    @property
     def named(self) -> bool:
         """Whether what is left is small enough for the causes to be stated."""
         part = PART * self.before * (min(self.before, 1.0) if self.inputs or self.outputs else 1.0)
@@ -65,7 +76,7 @@ class Search(Identifier):
 
     def search(self) -> Identified:
         """Looks at wirings: none, one of each input, one turn of all, pairs; then at what they leave."""
-        theirs = self._theirs_on(self.whole)
+        theirs = self.theirs_on(self.whole)
         if self.given is None or theirs is None:
             return Identified(self.base, {}, np.inf, np.inf, self.ports)
         before, first = self._as_wired(theirs)
@@ -115,18 +126,21 @@ class Search(Identifier):
         theirs: dict[str, Floats],
         before: float,
         first: tuple[str, float] | None,
-        most: int = 5,
+        most: int = 4,
     ) -> Identified:
         """Returns the wiring among the nearest that, with causes, leaves least of the whole run."""
-        plain = [pair for pair in tried if not pair[1]][:1]
+        ours = self.ours_on(self.whole)
+        plain = [changes for _, changes in tried if not changes][:1]
+        chosen = [self.corrected(changes) for _, changes in tried[:_SOME]]
+        again = sorted(zip(chosen, (changes for _, changes in tried), strict=False), key=lambda pair: pair[0].cost)
         found: list[Identified] = []
-        for score, changes in [*plain, *tried[:most]]:
+        for score, changes in [*((self.corrected(c), c) for c in plain), *again[:most]]:
             every = {**self.base, **changes}
-            ours = self.ours_on(self.misread(self.whole, every))
-            if ours is None or not np.isfinite(score.error):
+            read = theirs if not changes else self.theirs_on(self.whole, changes)
+            if ours is None or read is None or not np.isfinite(score.error):
                 continue
             for outputs in ({}, score.outputs) if score.outputs else ({},):
-                causes, after = self.explain(ours, theirs, outputs)
+                causes, after = self.explain(ours, read, outputs)
                 found.append(Identified(every, outputs, before, after, self.ports, causes, first))
         if not found:
             return Identified({}, {}, before, before, self.ports, (), first)
@@ -153,7 +167,7 @@ class Search(Identifier):
             variable: Variable = self._ours.model.variables[name]
             some, left = causes_of(name, ours[name], mended, time, variable.unit)
             causes += some
-            size = float(np.linalg.norm(ours[name])) or 1.0
+            size = min(float(np.linalg.norm(x)) for x in (ours[name], mended)) or 1.0
             total += self._weights[name] * min(float(np.linalg.norm(left)) / size, 2.0)
         return tuple(causes), total / sum(self._weights.values())
 
