@@ -67,8 +67,8 @@ class Fmu:
 
     @property
     def library(self) -> str:
-        """Where the library for this platform stands in it."""
-        return self.kind.library
+        """Where the library for this platform stands in it; of a law in Python its file."""
+        return str(self.path) if self.path.suffix == ".py" else self.kind.library
 
     def extract(self, folder: Path, names: Iterable[str] | None = None) -> None:
         """Unpacks it, or these of its entries, into an empty folder. Raises InputError."""

@@ -168,6 +168,8 @@ class Model:
     """In the order in which they are to be worked out."""
     cycles: Mapping[str, Cycle] = field(default_factory=dict)
     """What a scenario's `cycle` of these names counts, where the block's parameters say how long it lasts."""
+    needed: frozenset[str] = frozenset()
+    """Outputs that a law in Python has to give, since other blocks take them in."""
     lacks: frozenset[str] = frozenset()
     """Parameters of the interface to which it is held that it does not have."""
 

@@ -11,6 +11,7 @@ import os
 import pickle
 from collections.abc import Sequence
 from contextlib import suppress
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NoReturn
 
@@ -18,6 +19,7 @@ from ..errors import BlockError
 from ..fmu.model import Element
 from . import confine
 from .channel import ANSWER, DONE, GETTING, MARK, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, send, write
+from .law import SUFFIX, Law
 from .library import Library
 from .slave import Slave
 
@@ -57,7 +59,7 @@ class Worker:
         if isinstance(setup.memory, int):
             os.close(setup.memory)
         self._setup = setup
-        self._slave: Slave | None = None
+        self._slave: Slave | Law | None = None
         self._answer({"value": None})
 
     def _call(self) -> bytes:
@@ -110,6 +112,10 @@ class Worker:
 
     def _do_instantiate(self) -> None:
         setup = self._setup
+        if setup.library.endswith(SUFFIX):
+            self._memory.call = "reading the law"
+            self._slave = Law(setup.name, setup.model, Path(setup.library))
+            return
         fmu = SimpleNamespace(model=setup.model, kind=setup.kind, library=setup.library)
         self._slave = Watched(self._memory, setup.name, fmu, setup.folder, say)
 
@@ -159,7 +165,7 @@ class Worker:
             self._slave.close()
 
     @property
-    def _fmu(self) -> Slave:
+    def _fmu(self) -> Slave | Law:
         assert self._slave is not None
         return self._slave
 

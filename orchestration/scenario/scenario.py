@@ -28,12 +28,12 @@ from .view import ViewEntry
 
 
 def _fmu_or_telemetry(schema: dict[str, Any]) -> None:
-    schema["anyOf"] = [{"required": ["fmu"]}, {"required": ["telemetry"]}, {"required": ["orbit"]}]
+    schema["anyOf"] = [{"required": [key]} for key in ("fmu", "telemetry", "orbit", "python")]
     schema["properties"]["fmu"].pop("default", None)
 
 
 class BlockEntry(Model):
-    """A block of the loop: an FMU or a record, how often it is stepped and its start values."""
+    """A block of the loop: an FMU, a record or a law in Python, how often it is stepped and its start values."""
 
     model_config = ConfigDict(json_schema_extra=_fmu_or_telemetry)
 
@@ -44,6 +44,9 @@ class BlockEntry(Model):
     orbit: OrbitEntry | None = None
     """In place of `fmu`: position and velocity by element sets, as a record; beside `fmu`: start values that put the
     block on that orbit."""
+    python: str | None = Field(None, strict=True, min_length=1)
+    """In place of `fmu`: the path of a Python file, relative to the scenario, with a function
+    `step(inputs, parameters, t, h)` or one class with it. Its ports are those of `interface`."""
     flavour: Flavour | None = None
     """Which build of one of the project's own blocks; default: the scenario's."""
     isolation: Isolation | None = None
@@ -73,10 +76,12 @@ class BlockEntry(Model):
 
     @model_validator(mode="after")
     def _one_of_both(self) -> BlockEntry:
-        if self.telemetry is not None and (self.fmu or self.orbit):
-            raise ValueError(f"expected 'telemetry' alone, found '{'fmu' if self.fmu else 'orbit'}', too")
-        if not (self.fmu or self.telemetry or self.orbit):
-            raise ValueError("expected either 'fmu', 'telemetry' or 'orbit', found neither")
+        for alone in ("telemetry", "python"):
+            others = [key for key in ("fmu", "orbit", "telemetry", "python") if key != alone and getattr(self, key)]
+            if getattr(self, alone) and others:
+                raise ValueError(f"expected '{alone}' alone, found '{others[0]}', too")
+        if not (self.fmu or self.telemetry or self.orbit or self.python):
+            raise ValueError("expected either 'fmu', 'telemetry', 'orbit' or 'python', found neither")
         return self
 
 

@@ -3,6 +3,7 @@ runs."""
 
 from __future__ import annotations
 
+import hashlib
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,6 +18,7 @@ from ..errors import InputError, Kind, Problem, Problems, hint, reason
 from ..fmu.archive import Fmu, open_fmu, second, shown
 from ..fmu.interfaces import is_path
 from ..instances.block import Block
+from ..instances.law import refuse_missing
 from ..paths import located
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
@@ -90,13 +92,16 @@ def _open_fmus(scenario: Scenario, here: bool) -> dict[str, Fmu]:
                 text = f"only this project's own blocks have a flavour; {entry.fmu} is a file"
                 problems.append(scenario.error(("blocks", name, "flavour"), text))
             try:
+                if entry.python is not None:
+                    fmus[name] = _law(scenario, name, entry.python)
+                    continue
                 if entry.telemetry is not None:
                     path = packed(scenario, name, entry.telemetry)
                 else:
                     path = locate(entry.fmu, scenario.source.folder, entry.flavour or scenario.flavour, here)
                 fmus[name] = open_fmu(path, entry.validation == "lenient")
             except InputError as error:
-                problems += error.problems if entry.telemetry else with_remedies(error, scenario, name)
+                problems += error.problems if entry.telemetry or entry.python else with_remedies(error, scenario, name)
     return fmus
 
 
@@ -112,6 +117,21 @@ def _build(scenario: Scenario, here: bool) -> None:
             ),
             here,
         )
+
+
+def _law(scenario: Scenario, name: str, text: str) -> Fmu:
+    """Returns what stands for a law in Python: its file, with the ports of the interface. Raises InputError."""
+    kind = scenario.blocks[name].interface or name
+    with scenario.source.naming(("blocks", name, "python")):
+        path = located(text, scenario.source.folder).resolve()
+        refuse_missing(path, text)
+        if kind not in BLOCKS:
+            remedy = f"remedy: 'interface: NAME' beside it, one of {', '.join(BLOCKS)}"
+            raise InputError(f"the project has no interface {kind!r}; {remedy}")
+        own = open_fmu(locate(kind, scenario.source.folder, "native"))
+    needed = frozenset(c.source.variable for c in scenario.connections if c.source.block == name)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    return replace(own, path=path, sha256=digest, model=replace(own.model, needed=needed))
 
 
 def _refuse_second(scenario: Scenario, fmus: dict[str, Fmu]) -> None:

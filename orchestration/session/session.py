@@ -15,6 +15,7 @@ from ..fmu.interfaces import is_path
 from ..instances.block import Block, Instance
 from ..instances.guest import Guest
 from ..instances.isolation import IsolatedBlock
+from ..instances.law import Law
 from ..instances.slave import Slave
 from ..instances.surroundings import Surroundings
 from ..master.circuit import Circuit
@@ -128,10 +129,14 @@ class Session:
         name = ""
         try:
             for name, fmu in opened.fmus.items():
-                own, bound = self._is_own(name), limits(scenario, name)
-                if not own:
+                own, bound, law = self._is_own(name), limits(scenario, name), scenario.blocks[name].python
+                if law:
+                    (work / name).mkdir(parents=True, exist_ok=True)
+                elif not own:
                     fmu.extract(work / name)
-                if bound is None:
+                if law and bound is None:
+                    instances[name] = Law(name, fmu.model, fmu.path)
+                elif bound is None:
                     instances[name] = Slave(name, fmu, None, self._verbose) if own else self._guest(name, work / name)
                 else:
                     instances[name] = IsolatedBlock(name, fmu, work / name, bound, self._verbose)
@@ -157,7 +162,7 @@ class Session:
         """Returns whether a block is one of this project's own native FMUs, in this process."""
         scenario = self.opened.plan.scenario
         entry = scenario.blocks[name]
-        native = (entry.flavour or scenario.flavour) == "native"
+        native = not entry.python and (entry.flavour or scenario.flavour) == "native"
         return native and not is_path(entry.fmu) and limits(scenario, name) is None
 
     def close(self) -> BlockError | None:

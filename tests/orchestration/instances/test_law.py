@@ -1,0 +1,114 @@
+"""A law in Python as a block of the loop: flown beside FMUs, in this process and in its own; its errors."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import orchestration
+from orchestration.errors import BlockError, InputError
+from orchestration.fmu.model import Element
+from orchestration.instances.law import Law
+from tests.orchestration.mocks import model, real
+
+SCENARIO = Path(__file__).parents[3] / "scenarios" / "paper_no_singularity.yaml"
+DAMPING = """
+def step(inputs, parameters, t, h):
+    return {"tau_cmd_B": -0.02 * parameters.J_B @ inputs.omega_B}
+"""
+COUNTING = """
+class Counting:
+    def __init__(self):
+        self.calls = 0
+    def step(self, inputs, parameters, t, h):
+        self.calls += 1
+        return {"y": self.calls + 0.0 * inputs.u, "of": [t, h]}
+"""
+
+
+def flown(folder: Path, law: str, duration: float = 5.0, **entry: str):
+    """The paper's manoeuvre with a law in the controller's place."""
+    (folder / "my_law.py").write_text(law)
+    data = {"name": "own", "extends": str(SCENARIO), "duration": duration, "expect": None, "figures": None}
+    data["blocks"] = {"controller": {"fmu": None, "start": None, "python": "my_law.py", **entry}}
+    (folder / "own.yaml").write_text(json.dumps(data))
+    return orchestration.run(folder / "own.yaml")
+
+
+def alone(folder: Path, text: str, needed: frozenset[str] = frozenset()) -> Law:
+    kind = model("kind", real("u", "input"), real("y", "output"), real("of", "output", shape=(2,)))
+    (folder / "law.py").write_text(text)
+    return Law("law", replace(kind, needed=needed), folder / "law.py")
+
+
+def test_its_outputs_are_those_of_its_inputs_at_the_same_instant(tmp_path):
+    result = flown(tmp_path, DAMPING)
+    J = np.array([[0.0426, 0, 0], [0, 0.0608, 0], [0, 0, 0.0618]])
+    expected = -0.02 * result["plant.omega_B"] @ J
+    assert result["controller.tau_cmd_B"] == pytest.approx(expected, rel=1e-12)
+    assert np.abs(expected).max() > 1e-5
+
+
+def test_in_a_process_of_its_own_it_gives_the_same(tmp_path):
+    both = [flown(tmp_path, DAMPING, 2.0, isolation=kind)["plant.omega_B"] for kind in ("none", "process")]
+    np.testing.assert_array_equal(*both)
+
+
+def test_a_class_remembers_from_step_to_step_and_starts_anew(tmp_path):
+    law = alone(tmp_path, COUNTING)
+    into = np.zeros(3)
+    for _ in range(2):
+        law.enter(1.0)
+        assert law.get([Element("y", 0)]) == [1.0]  # in initialization it is asked on a copy
+        law.wire([Element("u", 0)], [Element("y", 0), Element("of", 0), Element("of", 1)], [1, 0, 0, 0], into)
+        law.leave()
+        for k in range(3):
+            law.do_step(0.5 * k, 0.5)
+            law.get_all()
+        assert into.tolist() == [4.0, 1.5, 0.5]
+        law.reset()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("def step(inputs, parameters, t, h):\n    return 1 / 0\n", "law.py:2: ZeroDivisionError: division by zero"),
+        ("def step(inputs, parameters, t, h):\n    return inputs.omega\n", "law.py:2: AttributeError: "),
+        ("def step(:\n", "law.py:1: invalid syntax"),
+        ("x = 1\n", "law.py: expected a function step(inputs, parameters, t, h) or one class with it, found neither"),
+        ("def step(*_):\n    return 3\n", "expected a mapping such as {'tau_cmd_B': [...]}, found int"),
+        ("def step(*_):\n    return {'z': 3}\n", "there is no output 'z'; expected some of y, of"),
+        ("def step(*_):\n    return {'of': [1]}\n", "of: expected a real [2], found one of shape [1]"),
+        ("def step(*_):\n    return {'of': ['a', 'b']}\n", "of: expected a real [2], found ['a', 'b']"),
+        ("def step(*_):\n    return {'of': [1, 2]}\n", "expected y, which other blocks take in, found ['of']"),
+        ("def step(inputs, *_):\n    inputs.of[0] = 1\n", "law.py:2: AttributeError: "),
+    ],
+)
+def test_what_is_wrong_in_it_is_told_with_its_file_and_line(tmp_path, text, message):
+    with pytest.raises(BlockError) as caught:
+        alone(tmp_path, text, frozenset({"y"})).leave()
+    assert message in str(caught.value)
+
+
+def test_an_error_in_flight_has_the_time_and_the_line(tmp_path):
+    law = DAMPING.replace("    return", "    if t > 1:\n        raise ValueError('too late')\n    return")
+    with pytest.raises(BlockError, match=r"controller: step at 1 s: .*my_law.py:4: ValueError: too late"):
+        flown(tmp_path, law)
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        ({"python": "none.py"}, "blocks.controller.python: there is no file none.py"),
+        ({"python": "my_law.txt"}, "expected the path of a .py file, found my_law.txt"),
+        ({"interface": "law"}, "the project has no interface 'law'; remedy: 'interface: NAME' beside it, one of plant"),
+        ({"fmu": "controller"}, "expected one of 'fmu', 'telemetry' and 'python', found fmu and python"),
+    ],
+)
+def test_an_entry_that_names_no_law_is_refused_at_its_line(tmp_path, entry, message):
+    with pytest.raises(InputError, match=message.replace("'", ".")):
+        flown(tmp_path, DAMPING, **entry)
