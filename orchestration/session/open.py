@@ -4,6 +4,7 @@ runs."""
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,6 +18,7 @@ from fmus.interface import load as load_interface
 from ..errors import InputError, Kind, Problem, Problems, hint, reason
 from ..fmu.archive import Fmu, open_fmu, second, shown
 from ..fmu.interfaces import is_path
+from ..fmu.model import Element
 from ..instances.block import Block
 from ..instances.law import refuse_missing
 from ..paths import located
@@ -86,6 +88,7 @@ def open_fmus(scenario: Scenario, here: bool = True) -> dict[str, Fmu]:
 def _open_fmus(scenario: Scenario, here: bool) -> dict[str, Fmu]:
     fmus: dict[str, Fmu] = {}
     _build(scenario, here)
+    laws = [name for name, entry in scenario.blocks.items() if entry.python]
     with Problems() as problems:
         for name, entry in scenario.blocks.items():
             if entry.flavour and is_path(entry.fmu):
@@ -102,7 +105,7 @@ def _open_fmus(scenario: Scenario, here: bool) -> dict[str, Fmu]:
                 fmus[name] = open_fmu(path, entry.validation == "lenient")
             except InputError as error:
                 problems += error.problems if entry.telemetry or entry.python else with_remedies(error, scenario, name)
-    return fmus
+    return fmus | {name: _asked_for(scenario, name, fmus) for name in laws}
 
 
 def _build(scenario: Scenario, here: bool) -> None:
@@ -129,9 +132,25 @@ def _law(scenario: Scenario, name: str, text: str) -> Fmu:
             remedy = f"remedy: 'interface: NAME' beside it, one of {', '.join(BLOCKS)}"
             raise InputError(f"the project has no interface {kind!r}; {remedy}")
         own = open_fmu(locate(kind, scenario.source.folder, "native"))
-    needed = frozenset(c.source.variable for c in scenario.connections if c.source.block == name)
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    return replace(own, path=path, sha256=digest, model=replace(own.model, needed=needed))
+    return replace(own, path=path, sha256=hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def _asked_for(scenario: Scenario, name: str, fmus: Mapping[str, Fmu]) -> Fmu:
+    """Returns the same with the outputs that it has to give; those for optional inputs alone start at the value that
+    means that there is none."""
+    needed: set[str] = set()
+    absent: dict[Element, Any] = {}
+    law = fmus[name]
+    for connection in (c for c in scenario.connections if c.source.block == name):
+        source, target = law.model.named(connection.source.variable), None
+        if connection.target.block in fmus:
+            target = fmus[connection.target.block].model.named(connection.target.variable)
+        if source is None or target is None or not target.optional:
+            needed.add(connection.source.variable)
+        else:
+            absent |= dict.fromkeys(source.elements, fmus[connection.target.block].model.starts.get(target.elements[0]))
+    starts = {**law.model.starts, **{e: v for e, v in absent.items() if e.variable not in needed}}
+    return replace(law, model=replace(law.model, needed=frozenset(needed), starts=starts))
 
 
 def _refuse_second(scenario: Scenario, fmus: dict[str, Fmu]) -> None:

@@ -1,0 +1,195 @@
+"""`orchestrate rank`: laws in Python and those to compare with, on the same tumbles, as a table."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from orchestration import InputError
+from orchestration import load as load_scenario
+from orchestration.cli.console import say, say_table
+from orchestration.cli.help import examples
+from orchestration.errors import BlockError
+from orchestration.results.settling import settling
+from orchestration.scenario.source import Source
+from orchestration.session.read import read
+from orchestration.session.run import whole
+
+LAWS = Path(__file__).parent / "laws"
+ERROR, WHEELS = "judge.attitude_error", "plant.h_w"
+OWN = "the scenario's own"
+
+
+@dataclass(frozen=True)
+class Row:
+    """What a law did over all tumbles, in degrees, seconds and N m s."""
+
+    law: str
+    settled: int
+    runs: int
+    failed: int
+    median: float
+    """Of the time to settle; infinite where less than half of them settled."""
+    worst: float
+    rms: float
+    """Median, of those that settled, of the rms of the error after it."""
+    largest: float
+    momentum: float
+    """The largest of a wheel over all runs."""
+
+
+def tumbles(count: int, rate: float, seed: int) -> list[dict[str, Any]]:
+    """Returns start values: attitudes uniform over all, rates of one size, rad/s, in all directions."""
+    rng = np.random.default_rng(seed)
+    drawn = []
+    for number in range(count):
+        q = rng.normal(size=4)
+        w, x, y, z = q / np.linalg.norm(q)
+        Q = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+        axis = rng.normal(size=3)
+        drawn.append(
+            {"plant.Q0": Q, "plant.omega_B0": (rate * axis / np.linalg.norm(axis)).tolist(), "sensors.seed": number + 1}
+        )
+    return drawn
+
+
+def with_law(source: Source, place: str, law: Path | None) -> Source:
+    """Returns the scenario with a law in the place of a block, with the ports of what stood there."""
+    if law is None:
+        return source
+    entry = dict(source.data["blocks"][place])
+    entry["interface"] = entry.get("interface") or entry.pop("fmu", place)
+    entry.pop("fmu", None)
+    return source.with_entry(("blocks", place), {**entry, "python": str(law.resolve())})
+
+
+def ranked(
+    source: Source, laws: Mapping[str, Path | None], starts: Sequence[Mapping[str, Any]], below: float, place: str
+) -> list[Row]:
+    """Flies each law on each tumble and returns its rows, the one that settles most and soonest first.
+
+    `below` rad is the error below which a flight is settled for good. Raises InputError.
+    """
+    rows = [_row(name, with_law(source, place, law), starts, below) for name, law in laws.items()]
+    return sorted(rows, key=lambda row: (-row.settled, row.median, row.rms))
+
+
+def _row(name: str, source: Source, starts: Sequence[Mapping[str, Any]], below: float) -> Row:
+    found, momenta, failed = [], [0.0], 0
+    for values in starts:
+        flown = source
+        for start, value in values.items():
+            if start.partition(".")[0] in source.data["blocks"]:
+                flown = flown.with_start(start, value)
+        try:
+            result = whole(load_scenario(flown))
+        except BlockError as error:
+            raise InputError(str(error)) from None
+        if result.failure is not None:
+            failed += 1
+            say(f"{name}: {result.failure}", error=True, fg="yellow")
+            continue
+        found.append(settling(result.time, np.asarray(result[ERROR]), below))
+        momenta.append(float(np.abs(result[WHEELS]).max()))
+    settled = [one for one in found if one.time is not None]
+    times = sorted([one.time if one.time is not None else math.inf for one in found] + [math.inf] * failed)
+    degrees = [math.degrees(one.rms) for one in settled]
+    return Row(
+        name,
+        len(settled),
+        len(starts),
+        failed,
+        times[(len(times) - 1) // 2],
+        times[-1],
+        float(np.median(degrees)) if degrees else math.nan,
+        max((math.degrees(one.largest) for one in settled), default=math.nan),
+        max(momenta),
+    )
+
+
+@click.command(
+    epilog=examples(
+        "orchestrate rank my_law.py --scenario mine/tumble.yaml",
+        "orchestrate rank my_law.py other.py --scenario mine/tumble.yaml --runs 20 --out ranked.csv",
+    )
+)
+@click.argument("laws", nargs=-1, type=click.Path(path_type=Path), metavar="LAW...")
+@click.option("--scenario", required=True, type=click.Path(path_type=Path), metavar="FILE", help="The loop to fly in.")
+@click.option("--place", default="controller", show_default=True, help="The block in whose place the laws stand.")
+@click.option("--runs", default=5, show_default=True, type=click.IntRange(1), help="Tumbles that each law flies.")
+@click.option("--rate", default=4.0, show_default=True, help="Size of the body rate at the start, deg/s.")
+@click.option("--below", default=15.0, show_default=True, help="Error below which a flight is settled for good, deg.")
+@click.option("--duration", metavar="T", help="Of each flight, instead of the scenario's.")
+@click.option("--seed", default=1, show_default=True, help="Of the tumbles.")
+@click.option("--alone", is_flag=True, help="Only these laws, without those to compare with.")
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write the table to this CSV file.")
+def command(
+    laws: tuple[Path, ...],
+    scenario: Path,
+    place: str,
+    runs: int,
+    rate: float,
+    below: float,
+    duration: str | None,
+    seed: int,
+    alone: bool,
+    out: Path | None,
+) -> None:
+    """Fly laws in Python on the same tumbles and write a table.
+
+    Beside them fly what stands in the scenario itself, B-dot, quaternion feedback (pd) and a linear-quadratic regulator
+    (lqr), unless --alone is given.
+    """
+    source = read(scenario)
+    if not isinstance(source.data, dict) or place not in source.data.get("blocks", {}):
+        raise InputError(f"{scenario}: expected a scenario with a block {place!r}")
+    source = source.without([("expect",), ("figures",), ("live",)]).with_value(
+        "record", {"interval": "2 s"}, "--record"
+    )
+    source = source.with_entry(("record",), {"interval": "2 s", "signals": [ERROR, WHEELS]})
+    if duration is not None:
+        source = source.with_value("duration", duration, "--duration")
+    flown: dict[str, Path | None] = {law.stem: law for law in laws}
+    if not alone:
+        flown |= {OWN: None, **{name: LAWS / f"{name}.py" for name in ("bdot", "pd", "lqr")}}
+    rows = ranked(source, flown, tumbles(runs, math.radians(rate), seed), math.radians(below), place)
+    say_table(
+        ("law", "settled", "median, s", "worst, s", "rms after, deg", "largest after, deg", "wheel, N.m.s"),
+        [
+            (
+                r.law,
+                f"{r.settled} of {r.runs}",
+                _s(r.median),
+                _s(r.worst),
+                _d(r.rms),
+                _d(r.largest),
+                f"{r.momentum:.3g}",
+            )
+            for r in rows
+        ],
+    )
+    if out is not None:
+        with out.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(asdict(rows[0])))
+            writer.writeheader()
+            writer.writerows(map(asdict, rows))
+        say(f"written: {out}")
+
+
+def _s(value: float) -> str:
+    return f"{value:.0f}" if math.isfinite(value) else "–"
+
+
+def _d(value: float) -> str:
+    return f"{value:.3g}" if math.isfinite(value) else "–"

@@ -1,0 +1,90 @@
+"""`orchestrate rank`: laws fly the same tumbles, and the table has what they did; laws to compare with."""
+
+import csv
+import math
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from design import rank
+from design.laws import bdot, lqr, pd
+from tests.commands import orchestrate
+
+SCENARIO = "scenarios/flight_tumble.yaml"
+J = np.diag([0.042, 0.03, 0.007])
+
+
+def seen(**changes):
+    """LVLH of an orbit over the pole, at rest in it."""
+    r, v = np.array([7e6, 0.0, 0.0]), np.array([0.0, 0.0, 7500.0])
+    down, side = np.array([-1.0, 0.0, 0.0]), -np.cross(r, v) / np.linalg.norm(np.cross(r, v))
+    R = np.column_stack((np.cross(side, down), side, down))
+    rest = {
+        "R_NB": R,
+        "omega_B": R.T @ np.cross(r, v) / (r @ r),
+        "r_N": r,
+        "v_N": v,
+    }
+    rest["b_B"] = np.array([2e-5, 1e-5, -3e-5])
+    return SimpleNamespace(**{**rest, **changes})
+
+
+P = SimpleNamespace(J_B=J, dipole_max=0.3, rod_limits=np.ones(3), rod_axes=np.eye(3))
+
+
+@pytest.mark.parametrize("law", [pd, lqr])
+def test_at_the_reference_no_torque_is_asked_for_and_a_turn_is_opposed(law):
+    assert np.abs(law.step(seen(), P, 0.0, 0.5)["tau_cmd_B"]).max() < 1e-18
+    small = 1e-3
+    turn = np.array([[1, 0, 0], [0, 1, -small], [0, small, 1]])
+    tau = law.step(seen(R_NB=seen().R_NB @ turn), P, 0.0, 0.5)["tau_cmd_B"]
+    assert tau[0] < 0.0
+    assert np.abs(tau[1:]).max() < abs(tau[0])
+
+
+def test_b_dot_takes_the_rate_across_the_field_away_as_its_gain_says():
+    """m x b = -k (omega - b (b.omega)/|b|^2), with k = 2 n (1 + sin i) J_min of an orbit over the pole."""
+    omega = np.array([1e-4, -2e-4, 1e-4])
+    u = seen(omega_B=omega)
+    dipole = bdot.step(u, P, 0.0, 0.5)["dipole_ff"]
+    b, n = u.b_B, 7500.0 / 7e6
+    expected = -2.0 * n * 2.0 * 0.007 * (omega - b * (b @ omega) / (b @ b))
+    assert np.cross(dipole, b) == pytest.approx(expected, rel=1e-9)
+    fast = bdot.step(seen(omega_B=np.array([1.0, 2.0, 0.5])), P, 0.0, 0.5)["dipole_ff"]
+    assert np.abs(fast).max() == pytest.approx(0.3)
+
+
+def test_tumbles_are_rotations_and_rates_of_one_size_and_the_same_for_a_seed():
+    drawn = rank.tumbles(4, 0.07, 3)
+    for one in drawn:
+        Q = np.array(one["plant.Q0"])
+        assert pytest.approx(np.eye(3), abs=1e-12) == Q.T @ Q
+        assert np.linalg.det(Q) == pytest.approx(1.0)
+        assert np.linalg.norm(one["plant.omega_B0"]) == pytest.approx(0.07)
+    assert rank.tumbles(4, 0.07, 3) == drawn
+    assert rank.tumbles(4, 0.07, 4) != drawn
+
+
+def test_the_command_flies_all_and_writes_the_table(tmp_path):
+    law = tmp_path / "still.py"
+    law.write_text("def step(i, p, t, h):\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
+    table = tmp_path / "ranked.csv"
+    arguments = ("--scenario", SCENARIO, "--runs", 2, "--duration", "4 s", "--below", 181, "--out", table)
+    result = orchestrate("rank", law, *arguments)
+    assert result.exit_code == 0, result.stderr
+    rows = {row["law"]: row for row in csv.DictReader(table.open())}
+    assert set(rows) == {"still", rank.OWN, "bdot", "pd", "lqr"}
+    assert all((row["settled"], row["runs"], float(row["median"])) == ("2", "2", 0.0) for row in rows.values())
+    largest = {float(row["largest"]) for row in rows.values()}
+    assert len(largest) > 1
+    assert math.pi < max(largest) <= 180.0
+
+
+def test_a_law_that_fails_is_counted_and_told(tmp_path):
+    law = tmp_path / "wrong.py"
+    law.write_text("def step(i, p, t, h):\n    assert t < 2\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
+    result = orchestrate("rank", law, "--alone", "--scenario", SCENARIO, "--runs", 1, "--duration", "4 s")
+    assert f"{Path(law)}:2: AssertionError" in result.stderr
+    assert "0 of 1" in result.stdout
