@@ -123,6 +123,7 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
 
     kind = str(values["wheels"])
     axes = wheel_axes(kind)
+    notes["momentum_limit"] = NO_WHEEL[1] if kind == "none" else str(values["wheel_momentum_max"])
     if kind == "none":
         values["wheel_torque_max"], values["wheel_momentum_max"] = NO_WHEEL
         notes |= {"wheels": "no wheel: next to nothing, as the controller takes it"}

@@ -55,6 +55,10 @@ def summary(result: Result) -> None:
         rows = [(h.signal, with_unit(h.final, h.unit), h.text) for h in result.highlights]
         say()
         say_table(("key figure", "at the end", "largest"), rows)
+    if result.settled:
+        say()
+        cells = [(one.signal, one.expected.removeprefix("always "), *one.texts) for one in result.settled]
+        say_table(("settles", "for good", "from", "rms after", "largest after"), cells)
     if outcomes := [*result.outcomes, *result.not_evaluated]:
         say()
         margins = ["" if o.margin is None else with_unit(o.margin, o.unit) for o in outcomes]

@@ -100,6 +100,27 @@ class Highlight:
         return f"{with_unit(self.peak, self.unit)} at {self.time:.5g} s"
 
 
+@dataclass(frozen=True)
+class Settled:
+    """How a signal came to keep the bound of an expectation that says `always`, over the whole run."""
+
+    signal: str
+    expected: str
+    unit: str
+    time: float | None
+    """From which on each step keeps it, s; None where the last one does not."""
+    rms: float
+    """From then on, of the norm of a vector; nan where it does not keep it."""
+    largest: float
+
+    @property
+    def texts(self) -> tuple[str, str, str]:
+        """Returns since when, and rms and largest value from then on."""
+        if self.time is None:
+            return "not at the end", "", ""
+        return f"{self.time:.5g} s", with_unit(self.rms, self.unit), with_unit(self.largest, self.unit)
+
+
 class ExpectationObserver:
     """Takes in an expectation's signal piece by piece, and has its outcome in the end."""
 
@@ -118,6 +139,11 @@ class ExpectationObserver:
         """The time of the last sample, s."""
         self._peak: tuple[float, float] | None = None
         """The value of largest magnitude, and its time."""
+        self._broken = False
+        """Whether a sample of the whole run broke the bound."""
+        self._since: float | None = None
+        """The first sample after the last one that did."""
+        self._sum, self._count_since, self._largest = 0.0, 0, 0.0
 
     def see(self, time: Floats, columns: Mapping[Node, Floats]) -> None:
         """Takes in the samples that follow those before."""
@@ -127,6 +153,8 @@ class ExpectationObserver:
         check = self.check
         values = check.sight.values(columns, check.limits.factor, check.limits.offset)
         self._highlight(time, values)
+        if check.expectation.always is not None and check.limits.number:
+            self._settle(time, values)
         inside, chosen = check.sight.chosen(time, columns)
         self._inside |= inside
         if chosen.any():
@@ -154,6 +182,29 @@ class ExpectationObserver:
         if len(changes) and self._changed is None:
             self._changed = float(time[some][changes[0]])
         self._sign = float(signs[-1])
+
+    def _settle(self, time: Floats, values: Floats) -> None:
+        margins = self.check.limits.margins(values).min(axis=1)
+        broken = np.flatnonzero(~(margins > 0.0 if self.check.limits.strict else margins >= 0.0))
+        if len(broken):
+            self._broken, self._since = True, None
+            self._sum, self._count_since, self._largest = 0.0, 0, 0.0
+            time, values = time[broken[-1] + 1 :], values[broken[-1] + 1 :]
+        if len(time):
+            squares = np.einsum("ij,ij->i", values, values)
+            self._since = float(time[0]) if self._since is None else self._since
+            self._sum, self._count_since = self._sum + float(squares.sum()), self._count_since + len(time)
+            self._largest = max(self._largest, float(np.sqrt(squares.max())))
+
+    @property
+    def settled(self) -> Settled | None:
+        """Returns since when the bound is kept; None where it always was, or where it is none for a number."""
+        if not self._broken:
+            return None
+        unit, n = shown(self.check.limits.unit), self._count_since
+        rms = math.sqrt(self._sum / n) if n else math.nan
+        signal = _signal(self.check.expectation)
+        return Settled(signal, self.check.expected, unit, self._since, rms, self._largest if n else math.nan)
 
     def _highlight(self, time: Floats, values: Floats) -> None:
         largest = values[:, 0]
@@ -228,6 +279,12 @@ def highlights(observers: Iterable[ExpectationObserver]) -> list[Highlight]:
         if (highlight := observer.highlight) is not None:
             by_signal.setdefault(highlight.signal, highlight)
     return list(by_signal.values())
+
+
+def settlings(observers: Iterable[ExpectationObserver]) -> list[Settled]:
+    """Returns since when signals keep the bounds that they broke before, each once."""
+    found = (observer.settled for observer in observers)
+    return list({(one.signal, one.expected): one for one in found if one is not None}.values())
 
 
 def _never(expectation: Expectation) -> str:

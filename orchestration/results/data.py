@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import BlockError, InputError, hint
 from ..expectations.flags import Flag
 from ..expectations.holds import Hold
-from ..expectations.outcomes import Highlight, NotEvaluated, Outcome
+from ..expectations.outcomes import Highlight, NotEvaluated, Outcome, Settled
 from ..fmu.model import Element, Floats, Model, Variable
 from ..master.deadlines import Pace
 from ..quantities import ONE, QuantityError, Unit, parse_unit
@@ -45,6 +45,8 @@ class RunData(Mapping[str, NDArray[Any]]):
     not_evaluated: list[NotEvaluated] = field(default_factory=list)
     """Of those that a swapped block gives no signal for."""
     highlights: list[Highlight] = field(default_factory=list)
+    settled: list[Settled] = field(default_factory=list)
+    """Since when signals keep the bounds of expectations that they broke before."""
     holds: list[Hold] = field(default_factory=list)
     booleans: list[Flag] = field(default_factory=list)
     """The boolean outputs, and when they were true."""

@@ -122,6 +122,7 @@ def _events(result: RunData) -> Markup:
     """Returns the holds, injected faults, timeline, key figures and flags."""
     hold = Markup('<strong class="{}">{}</strong>: {}')
     holds = [hold.format("warn" if h.latched else "name", h.name, h.text) for h in result.holds]
+    settled = [[s.signal, s.expected.removeprefix("always "), *s.texts] for s in result.settled]
     figures = [[h.signal, with_unit(h.final, h.unit), h.text] for h in result.highlights]
     return joined(
         [
@@ -129,6 +130,7 @@ def _events(result: RunData) -> Markup:
             section("Injected faults", listed(acting.fault_sentences(result.scenario, result.models, result.reached))),
             section("Timeline", listed(acting.timeline_sentences(result.scenario, result.reached))),
             section("Key figures", table(("signal", "at the end", "largest"), figures)),
+            section("Settling", table(("signal", "for good", "from", "rms after", "largest after"), settled)),
             section("Flags raised", listed(result.raised)),
         ]
     )

@@ -5,15 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 from markupsafe import Markup
 
 from ..errors import InputError
+from ..quantities import ONE, QuantityError, value_in
 from ..scenario.scenario import Scenario
 from . import figures, frames
 from .data import RunData
 from .differences import Differences, compare
 from .folder import write
 from .html import rows
+from .settling import Settling, settling
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,6 +70,20 @@ class Result(RunData):
         A notebook shows it. Raises KeyError for a signal that was not recorded, and InputError without Matplotlib.
         """
         return figures.plot(self, names)
+
+    def settling(self, name: str, below: float | str) -> Settling:
+        """Returns since when a recorded signal, or the norm of a vector, stays below a limit, with rms and largest
+        value from then on, in the signal's unit.
+
+        `below` is in this unit, or text with another: `result.settling("judge.attitude_error", "1 deg")`. Samples are
+        the recorded ones. Raises InputError.
+        """
+        unit = self.variable(name).unit or ONE
+        try:
+            limit = value_in(below, unit)
+        except QuantityError as error:
+            raise InputError(f"below {below}: {error}") from None
+        return settling(self.time, np.asarray(self[name], np.float64), limit)
 
     def compare(self, other: RunData) -> Differences:
         """Returns the largest and rms difference of each signal that both results have, at the instants that both have.

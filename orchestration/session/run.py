@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..expectations.checks import Check
 from ..expectations.flags import FlagObserver
 from ..expectations.holds import HoldCheck, HoldObserver
-from ..expectations.outcomes import ExpectationObserver, highlights, not_evaluated
+from ..expectations.outcomes import ExpectationObserver, highlights, not_evaluated, settlings
 from ..fmu.model import Model
 from ..interrupt import Stopped
 from ..master.master import Options, Progress
@@ -144,6 +144,7 @@ def evaluated(
         holds=[observer.hold for observer in held if len(recording.time)],
         booleans=raised.flags,
         highlights=highlights(expected),
+        settled=settlings(expected),
         warnings=[
             *ready.notes,
             *session.notes,

@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+import orchestration
+from orchestration.errors import InputError
 from orchestration.results.settling import settling
 
 T = np.arange(0.0, 100.0, 0.5)
@@ -36,3 +38,30 @@ def test_a_vector_counts_by_its_norm_and_rms_is_that_of_a_sine():
     found = settling(T, both, 6.0)
     assert (found.time, found.largest) == (0.0, pytest.approx(5.0, rel=1e-2))
     assert found.rms == pytest.approx(5.0 / math.sqrt(2.0), rel=1e-3)
+
+
+SCENARIO = "scenarios/paper_no_singularity.yaml"
+
+
+def test_a_run_says_since_when_its_bounds_are_kept_and_how_large_errors_are_from_then_on():
+    """The run's own samples, of each step, are the witness."""
+    source = orchestration.load(SCENARIO).source
+    limit = {"name": "error", "signal": "judge.attitude_error", "always": {"below": "60 deg"}}
+    never = {"name": "rate", "signal": "judge.rate_error_B", "always": {"within": 1e-9}}
+    kept = {"name": "kept", "signal": "judge.attitude_error", "always": {"below": "181 deg"}}
+    source = source.with_entry(("expect",), [limit, never, kept, {**limit, "name": "again"}]).with_entry(
+        ("record",), {"interval": "0.1 s"}
+    )
+    result = orchestration.run(orchestration.load(source.with_entry(("duration",), "100 s")))
+    error, rate = result.settled
+    degrees = np.degrees(result["judge.attitude_error"])
+    expected = settling(result.time, degrees, 60.0)
+    assert error.time == pytest.approx(expected.time)
+    assert (error.rms, error.largest) == (pytest.approx(expected.rms), pytest.approx(expected.largest))
+    assert 1.0 < error.time < 100.0
+    assert (error.signal, error.expected, error.unit) == ("judge.attitude_error", "always < 60 deg", "deg")
+    assert rate.texts == ("not at the end", "", "")
+    own = result.settling("judge.attitude_error", "60 deg")
+    assert (own.time, own.largest) == (pytest.approx(expected.time), pytest.approx(math.radians(expected.largest)))
+    with pytest.raises(InputError, match="below 60 s: the unit"):
+        result.settling("judge.attitude_error", "60 s")
