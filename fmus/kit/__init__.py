@@ -59,8 +59,11 @@ def own(text: str, file: str) -> Interface:
     return replace(interface, code=interface.name)
 
 
-def write(interface: Interface, folder: Path, language: str) -> list[Path]:
-    """Writes the project and returns its files; those of the team that are there already are kept. Raises InUse."""
+def write(interface: Interface, folder: Path, language: str, law: bytes | None = None) -> list[Path]:
+    """Writes the project and returns its files; those of the team that are there already are kept. Raises InUse.
+
+    `law` is the text of a law in Python, which the block then has in the place of one to be filled in.
+    """
     refuse_other(interface, folder)
     interface = for_teams(interface)
     files: dict[str, bytes | str] = {"interface.toml": interface.source}
@@ -75,7 +78,9 @@ def write(interface: Interface, folder: Path, language: str) -> list[Path]:
     else:
         kept["build.py"] = filled("build.py.template", interface)
         kept[f"{interface.name}/__init__.py"] = filled("package.py.template", interface)
-        kept[f"{interface.name}/block.py"] = filled("block.py.template", interface)
+        kept[f"{interface.name}/block.py"] = filled(f"{'law_' if law else ''}block.py.template", interface)
+        if law:
+            files[f"{interface.name}/law.py"] = law
     for name, data in kept.items():
         if not (folder / name).exists():
             files[name] = data

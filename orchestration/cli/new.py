@@ -55,6 +55,7 @@ class _New(click.Command):
         "orchestrate new controller mine --lang python",
         "orchestrate new plant --scenario loop.yaml",
         "orchestrate new controller board --link",
+        "orchestrate new controller packed --from my_law.py",
         "orchestrate new satellite",
     ),
 )
@@ -73,7 +74,16 @@ class _New(click.Command):
     metavar="FILE",
     help="The run of which the test vector is a part; default: one of the project's own.",
 )
-def command(block: str, folder: Path | None, lang: str | None, link_: bool, scenario: Path | None) -> None:
+@click.option(
+    "--from",
+    "law",
+    type=PATH,
+    metavar="LAW.py",
+    help="A law in Python that the project packs.",
+)
+def command(
+    block: str, folder: Path | None, lang: str | None, link_: bool, scenario: Path | None, law: Path | None
+) -> None:
     """Write a project for another team, or a satellite's file.
 
     The project's FMU has the exact interface of BLOCK.
@@ -83,7 +93,11 @@ def command(block: str, folder: Path | None, lang: str | None, link_: bool, scen
 
     `orchestrate new satellite -h` lists what a satellite's file is made of.
     """
-    lang = lang or "c"
+    if law is not None and (link_ or lang == "c"):
+        raise InputError(f"--from: expected neither --link nor --lang c beside it, since {law} is Python")
+    if law is not None and not law.is_file():
+        raise InputError(f"--from {law}: there is no such file")
+    lang = lang or ("python" if law else "c")
     if block not in BLOCKS:
         raise InputError(f"there is no block {block!r}{hint(block, [*BLOCKS, *others()])}")
     target = folder or Path(f"{block}_device_{lang}" if link_ else f"{block}_{lang}")
@@ -98,7 +112,8 @@ def command(block: str, folder: Path | None, lang: str | None, link_: bool, scen
         with writing(target), _undone(target):
             kit.refuse_other(load(block), target, "vector", *(linked.PARTS if link_ else ()))
             rows = record(run, block, target / "vector")
-            files = linked.write(load(block), target, lang) if link_ else kit.write(load(block), target, lang)
+            text = law.read_bytes() if law else None
+            files = linked.write(load(block), target, lang) if link_ else kit.write(load(block), target, lang, text)
     except (kit.InUse, CompilerError) as error:
         raise InputError(str(error)) from None
     say(f"{target}: {len(files)} files, and a test vector of {rows} instants from {shown(run)}")
