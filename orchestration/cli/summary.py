@@ -57,8 +57,8 @@ def summary(result: Result) -> None:
         say_table(("key figure", "at the end", "largest"), rows)
     if result.settled:
         say()
-        cells = [(one.signal, one.expected.removeprefix("always "), *one.texts) for one in result.settled]
-        say_table(("settles", "for good", "from", "rms after", "largest after"), cells)
+        kept = [(one.signal, one.expected.removeprefix("always "), *one.texts) for one in result.settled]
+        say_table(("settles", "for good", "from", "rms after", "largest after"), kept)
     if outcomes := [*result.outcomes, *result.not_evaluated]:
         say()
         margins = ["" if o.margin is None else with_unit(o.margin, o.unit) for o in outcomes]

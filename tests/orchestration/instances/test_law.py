@@ -106,7 +106,7 @@ def test_an_error_in_flight_has_the_time_and_the_line(tmp_path):
         ({"python": "none.py"}, "blocks.controller.python: there is no file none.py"),
         ({"python": "my_law.txt"}, "expected the path of a .py file, found my_law.txt"),
         ({"interface": "law"}, "the project has no interface 'law'; remedy: 'interface: NAME' beside it, one of plant"),
-        ({"fmu": "controller"}, "expected one of 'fmu', 'telemetry' and 'python', found fmu and python"),
+        ({"fmu": "controller"}, "expected 'python' alone, found 'fmu', too"),
     ],
 )
 def test_an_entry_that_names_no_law_is_refused_at_its_line(tmp_path, entry, message):
