@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import click
-import numpy as np
 
 from ..errors import InputError, Place, Problem, writing
 from ..quantities import SECOND, QuantityError, value_in
@@ -24,8 +23,7 @@ from .paths import PATH
 from .status import EXPECTATION_FAILED
 
 try:
-    from ..margins.floquet import PULSE, coordinates, sensitivity
-    from ..margins.floquet import orbit as floquet
+    from ..margins.floquet import PULSE, SEGMENT, UNSEEN, Repeated, coordinates
     from ..margins.inject import Rig
     from ..margins.linear import realized
     from ..margins.measure import LONGEST, measure
@@ -67,6 +65,7 @@ else:
     help="Lost is a loop in which a pulse grows, or whose expectations fail.",
 )
 @click.option("--orbit", metavar="T", help="Period of the motion: gives Floquet multipliers instead of margins.")
+@click.option("--piece", metavar="T", help="Length of a piece of the period; for --orbit; default: 200 samples.")
 @click.option(
     "--state", "states", multiple=True, metavar="BLOCK.PORT", help="An output that is the state; for --orbit."
 )
@@ -90,6 +89,7 @@ def command(
     changed: tuple[str, ...],
     criterion: str,
     orbit: str | None,
+    piece: str | None,
     states: tuple[str, ...],
     sensitive: tuple[str, ...],
     out: Path | None,
@@ -115,12 +115,14 @@ def command(
         begin = seconds("--when", when, loaded.duration)
         rig = Rig(session, site(plan, ports), round(begin / plan.clock.step))
         if orbit is not None:
-            ctx.exit(_multipliers(rig, seconds("--orbit", orbit, 0.0), states, sensitive, json_))
+            pieces = seconds("--piece", piece, SEGMENT * rig.period)
+            changes_ = [Change.of(text) for text in changed]
+            ctx.exit(_multipliers(rig, seconds("--orbit", orbit, 0.0), pieces, states, sensitive, changes_, json_))
         longest = seconds("--window", window, LONGEST * rig.period)
         changes_ = [Change.of(text) for text in changed]
         found = Found.of(loaded.name, rig.first * plan.clock.step, measure(rig, max(int(longest / rig.period), 4)))
         if not found.response.refused:
-            window_ = 3 * found.response.settling + 256
+            window_ = 3 * len(found.response.pulse) // 2
             holds = pulse_dies_out(rig, window_) if criterion == "pulse" else expectations_are_met(rig)
             found.searched.extend(lost(rig, one, holds) for one in changes_)
     if not found.response.refused:
@@ -146,7 +148,15 @@ def seconds(option: str, text: str | None, default: float) -> float:
     return value
 
 
-def _multipliers(rig: Rig, period: float, states: Sequence[str], names: Sequence[str], json_: bool) -> int:
+def _multipliers(
+    rig: Rig,
+    period: float,
+    piece: float,
+    states: Sequence[str],
+    names: Sequence[str],
+    changes_: Sequence[Change],
+    json_: bool,
+) -> int:
     """Prints the Floquet multipliers; the status is 1 where the state is not seen."""
     seen = coordinates(rig.session.opened.plan, states)
     samples = round(period / rig.period)
@@ -155,20 +165,23 @@ def _multipliers(rig: Rig, period: float, states: Sequence[str], names: Sequence
         raise InputError(
             Problem(expected=expected, found="none" if not states else f"{period:g} s", place=Place("--orbit"))
         )
-    rig.fly(np.zeros((1, len(rig.site.channels))))  # shows the size of the signals
-    size = PULSE * rig.scales
-    found = floquet(rig, seen, samples, size)
-    slopes = {name: sensitivity(rig, seen, samples, size, name, found) for name in names}
+    repeated = Repeated.of(rig, seen, samples, PULSE * rig.scales, max(round(piece / rig.period), 1))
+    found = repeated.nominal
+    slopes = {name: repeated.sensitivity(name) for name in names}
+    searched = [lost(rig, one, repeated.decays) for one in changes_ if found.rest <= UNSEEN]
     if json_:
         logs = [[log.real, log.imag] for log in found.logs]
-        say_json({"period": found.period, "logs": logs, "rest": found.rest, "sensitivity": slopes})
+        said = {"period": found.period, "logs": logs, "rest": found.rest, "sensitivity": slopes}
+        say_json({**said, "searched": [one.data() for one in searched]})
     else:
         say(f"Floquet multipliers over {found.period:g} s, of {', '.join(found.labels)}:", bold=True)
         for line in found.lines():
             say(line)
         for name, slope in slopes.items():
             say(f"{name} + 1 %: the largest multiplier times {math.exp(0.01 * slope):.4g}")
-    return EXPECTATION_FAILED if found.rest > 0.1 else 0
+        for one in searched:
+            say(str(one))
+    return EXPECTATION_FAILED if found.rest > UNSEEN else 0
 
 
 def _write(found: Found, folder: Path) -> None:

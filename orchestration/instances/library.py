@@ -80,6 +80,8 @@ class Version:
     """Of `instantiate`: of the instance's name, its token, the folder of the FMU and its log."""
     initialize: Callable[[float], Calls]
     """What takes an instance into initialization mode, for a run from 0 to the given end."""
+    state: str
+    """What its functions of states end with."""
     three: bool
     """Whether a Get or Set is told the number of values, besides that of references, and whether DoStep has answers."""
 
@@ -93,6 +95,7 @@ VERSIONS = {
         "GUID",
         _arguments_2,
         _initialize_2,
+        "state",
         three=False,
     ),
     "fmi3": Version(
@@ -102,6 +105,7 @@ VERSIONS = {
         "instantiation token",
         _arguments_3,
         _initialize_3,
+        "State",
         three=True,
     ),
 }

@@ -57,6 +57,7 @@ class Slave:
         self._initialized = self._dead = False
         self._arrays = Arrays(fmu.model)
         self._library = self._load(fmu, folder)
+        self._states: list[c.c_void_p] = []
         self._library.instantiate(name, fmu.model.guid, self._log)
         if not self._library.component:
             self._library.unload()
@@ -154,6 +155,18 @@ class Slave:
         self._arrays.reset()
         self._plain(f"{self.model.prefix}Reset")
 
+    def save(self) -> c.c_void_p:
+        """Returns its state by fmi2GetFMUstate, which lasts as long as the instance. Raises BlockError without it."""
+        state = c.c_void_p()
+        self._plain(f"{self.model.prefix}GetFMU{self.version.state}", c.byref(state))
+        self._states.append(state)
+        return state
+
+    def restore(self, state: c.c_void_p) -> None:
+        """Takes it back to a state that it gave. Raises BlockError."""
+        self._plain(f"{self.model.prefix}SetFMU{self.version.state}", state)
+        self._initialized = True
+
     # ------------------------------------------------------------ steps
 
     def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:
@@ -208,6 +221,9 @@ class Slave:
         if self._dead:
             return
         self._dead = True
+        for state in self._states:
+            with suppress(BlockError):
+                self._plain(f"{self.model.prefix}FreeFMU{self.version.state}", c.byref(state))
         if self._initialized:
             with suppress(BlockError):  # a library without fmi2Terminate
                 self._function(f"{self.model.prefix}Terminate")(self.component)

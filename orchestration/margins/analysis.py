@@ -16,12 +16,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import linear_sum_assignment, minimize
 
 from ..fmu.model import Floats
-from .excitation import Complex
 
+Complex = NDArray[np.complex128]
 FINE = 4
 """Points that are looked at from line to line."""
 LEAST = 0.05

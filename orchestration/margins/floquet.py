@@ -24,11 +24,10 @@ from ..errors import InputError, Place, Problem, hint
 from ..fmu.model import Floats, NameUnknown, Variable
 from ..scenario.references import Reference
 from ..session.plan import Plan
-from ..system.starts import Start
 from ..system.wiring import Node
-from .excitation import Complex
-from .inject import Rig
-from .search import scaled
+from .analysis import Complex
+from .inject import Altered, Rig
+from .search import Starts, scaled
 
 SEGMENT = 200
 """Samples from one instant to the next, about."""
@@ -40,6 +39,12 @@ LEAD = 3
 """Segments with pulses before the first that counts, so that the motion has all directions."""
 CYCLES, FACTORS = 30, 6000
 """Times that the period is gone through until the subspaces have settled, and factors, at least."""
+SEEN, DEEPEST = 0.01, 4
+"""Rest with which no further instant is added to the coordinates, and instants at most."""
+UNSEEN = 0.1
+"""Rest above which the multipliers are no result."""
+_APPEARS = 1e-5
+"""Direction of the coordinates that counts beside the largest, where they hold several instants."""
 _CHANGE = 0.01
 """Relative change of a parameter for the sensitivity."""
 _APART = 1e-6
@@ -100,7 +105,7 @@ class Orbit:
     transitions: Floats
     """(segments, coordinates, coordinates)"""
     rest: float
-    """What of the observed motion the fit leaves, beside its size: zero where the state is seen whole."""
+    """What of the motion in further flights the fit leaves, beside its size: zero where the state is seen whole."""
     flights: int
 
     @property
@@ -110,8 +115,9 @@ class Orbit:
 
     @property
     def logs(self) -> Complex:
-        """Logarithms of the multipliers, the largest first; the imaginary part is known up to turns."""
-        return logs(self.transitions)
+        """Logarithms of the multipliers, the largest first, as many as coordinates; the imaginary part is known up to
+        turns."""
+        return logs(self.transitions)[: len(self.labels)]
 
     def lines(self) -> list[str]:
         """Returns what is told of it: a line for each multiplier, and the verdict."""
@@ -135,7 +141,7 @@ class Orbit:
         """What can be seen of the state, in words."""
         if self.rest < 1e-3:
             return "the observed coordinates are the whole state that matters"
-        if self.rest < 0.1:
+        if self.rest <= UNSEEN:
             return f"{100 * self.rest:.2g} % of the motion comes from states that are not observed"
         return f"{100 * self.rest:.2g} % of the motion is not explained: these multipliers are no result"
 
@@ -164,55 +170,110 @@ def orbit(
     samples: int,
     size: Floats,
     segment: int = SEGMENT,
-    starts: Mapping[str, Sequence[Start]] | None = None,
+    starts: Starts = None,
     more: int = MORE,
+    altered: Altered = Altered(),  # noqa: B008  (it is frozen)
+    depth: int = 1,
 ) -> Orbit:
     """Returns the transitions over so many samples, in segments of equal length.
 
-    They begin LEAD segments after the rig's instant. `size` is that of the pulses of each channel, in the unit of its
-    port. Raises BlockError where a block fails."""
+    They begin LEAD + `depth` segments after the rig's instant. `size` is that of the pulses of each channel, in the
+    unit of its port. With `depth` above 1 the coordinates are those of so many instants one after the other, which
+    shows hidden states, and the pulses are in the lead only. Raises BlockError where a block fails."""
     before, channels, n = rig.flights, len(rig.site.channels), len(seen.labels)
     segments = max(round(samples / segment), 1)
-    length = round(samples / segments)
-    pairs = n + channels + more
+    length, lead = round(samples / segments), LEAD + depth - 1
+    free = depth > 1
+    pairs = depth * n + (0 if free else channels) + more
     rng = np.random.default_rng(1)
-    shape = pairs, segments + LEAD, channels
+    shape = pairs, segments + lead, channels
     pulses = rng.uniform(0.3, 1.0, shape) * rng.choice([-1.0, 1.0], shape)
-    moved = []
-    for given in pulses:
+    if free:
+        pulses[:, LEAD:] = 0.0
+
+    def flown(given: Floats) -> Floats:
         injected = np.zeros((shape[1] * length + 1, channels))
         injected[:-1:length] = given * size
-        plus, minus = (_observed(rig, seen, sign * injected, length, starts) for sign in (1.0, -1.0))
-        moved.append(0.5 * seen.difference(minus, plus))
-    x, pulses = np.array(moved)[:, LEAD:], pulses[:, LEAD:]  # (pairs, segments + 1, coordinates)
-    transitions, unexplained, whole = np.empty((segments, n, n)), np.zeros(n), np.zeros(n)
+        return _observed(rig, seen, injected, length, starts, altered)
+
+    still = flown(np.zeros(shape[1:])) if free else np.empty(0)
+    moved = [
+        seen.difference(still, flown(one)) if free else 0.5 * seen.difference(flown(-one), flown(one)) for one in pulses
+    ]
+    y = np.array(moved)  # (pairs, instants, coordinates)
+    last = y.shape[1]
+    x = np.concatenate([y[:, lead - back : last - back] for back in range(depth)], axis=2)
+    pulses = pulses[:, lead:, : 0 if free else channels]
+    transitions, unexplained, whole = np.empty((segments, depth * n, depth * n)), np.zeros(n), np.zeros(n)
+    fitted, tested = slice(pairs - more // 2), slice(pairs - more // 2, None)
     for k in range(segments):
         known = np.concatenate([x[:, k], pulses[:, k]], axis=1)
         scale = np.maximum(np.abs(known).max(axis=0), 1e-300)
-        fitted, *_ = np.linalg.lstsq(known / scale, x[:, k + 1], rcond=1e-13)
-        transitions[k] = (fitted / scale[:, None])[:n].T
-        unexplained += ((x[:, k + 1] - (known / scale) @ fitted) ** 2).sum(axis=0)
-        whole += (x[:, k + 1] ** 2).sum(axis=0)
+        part, all_ = (
+            np.linalg.lstsq(known[of] / scale, x[of, k + 1], rcond=_APPEARS if free else 1e-13)[0]
+            for of in (fitted, slice(None))
+        )
+        transitions[k] = (all_ / scale[:, None])[: depth * n].T
+        unexplained += ((x[tested, k + 1] - (known[tested] / scale) @ part)[:, :n] ** 2).sum(axis=0)
+        whole += (x[tested, k + 1, :n] ** 2).sum(axis=0)
     rest = float(np.sqrt((unexplained / np.maximum(whole, 1e-300)).max()))
     return Orbit(seen.labels, length * rig.period, transitions, rest, rig.flights - before)
 
 
-def sensitivity(rig: Rig, seen: Coordinates, samples: int, size: Floats, name: str, nominal: Orbit) -> float:
-    """Returns by how much the logarithm of the largest multiplier changes for a parameter's relative change of one."""
-    starts = {**rig.session.opened.plan.starts, **scaled(rig, name, 1.0 + _CHANGE)}
-    changed = orbit(rig, seen, samples, size, starts=starts)
-    return float((changed.logs[0].real - nominal.logs[0].real) / _CHANGE)
+@dataclass(frozen=True)
+class Repeated:
+    """A motion that repeats, as it was measured, for measuring it again with something changed."""
+
+    rig: Rig
+    seen: Coordinates
+    samples: int
+    size: Floats
+    segment: int
+    nominal: Orbit
+    depth: int
+
+    @staticmethod
+    def of(rig: Rig, seen: Coordinates, samples: int, size: Floats, segment: int = SEGMENT) -> Repeated:
+        """Returns the motion with as many instants in the coordinates as show the hidden states."""
+        found, depth = orbit(rig, seen, samples, size, segment), 1
+        for deeper in range(2, DEEPEST + 1):
+            if found.rest <= SEEN:
+                break
+            more = orbit(rig, seen, samples, size, segment, depth=deeper)
+            if more.rest < found.rest:
+                found, depth = more, deeper
+        return Repeated(rig, seen, samples, size, segment, found, depth)
+
+    def again(self, altered: Altered, starts: Starts) -> Orbit:
+        """Returns the transitions with something changed."""
+        rig, seen, samples, size, segment = self.rig, self.seen, self.samples, self.size, self.segment
+        return orbit(rig, seen, samples, size, segment, starts, altered=altered, depth=self.depth)
+
+    def sensitivity(self, name: str) -> float:
+        """Returns by how much the logarithm of the largest multiplier changes for a parameter's relative change of
+        one."""
+        starts = {**self.rig.session.opened.plan.starts, **scaled(self.rig, name, 1.0 + _CHANGE)}
+        return float((self.again(Altered(), starts).logs[0].real - self.nominal.logs[0].real) / _CHANGE)
+
+    def decays(self, altered: Altered, starts: Starts) -> bool:
+        """Whether the largest multiplier is below 1, or twice the one without change where that is more."""
+        return self.again(altered, starts).decay < max(1.0, 2.0 * self.nominal.decay)
 
 
 def _observed(
-    rig: Rig, seen: Coordinates, injected: Floats, length: int, starts: Mapping[str, Sequence[Start]] | None
+    rig: Rig,
+    seen: Coordinates,
+    injected: Floats,
+    length: int,
+    starts: Starts,
+    altered: Altered,
 ) -> Floats:
     """Returns the observed elements at the beginning of each segment and at the end of the last, (instants,
     elements)."""
     hold, clock = rig.site.hold, rig.session.opened.plan.clock
     wanted = rig.first + hold * np.arange(0, len(injected), length)
     keeper = _Keeper(wanted, clock.step, seen.nodes)
-    rig.fly(injected, observers=[keeper], nodes=seen.nodes, starts=starts)
+    rig.fly(injected, altered, [keeper], seen.nodes, starts)
     return keeper.rows
 
 
@@ -259,7 +320,7 @@ def logs(transitions: Floats) -> Complex:
     while (i := len(found)) < n:
         if i + 1 < n and abs(turned[i + 1, i]) > _APART:
             values = np.linalg.eigvals(turned[i : i + 2, i : i + 2] @ pairs[i])
-            found += [complex(np.log(value.astype(complex))) + shifts[i] for value in values]
+            found += [complex(np.log(value.astype(complex) + 1e-300)) + shifts[i] for value in values]
         else:
             found.append(complex(sizes[i], 0.0 if turned[i, i] * signs[i] > 0.0 else math.pi))
     return _sorted(found)

@@ -5,6 +5,7 @@ Tests: tests/orchestration/margins/test_measure.py, test_search.py.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -13,11 +14,17 @@ import numpy as np
 from ..fmu.model import Element, Floats
 from ..instances.block import Block
 from ..instances.front import Front
+from ..master.master import Kept, Options
 from ..session.session import Blocks, Session
 from ..system.observer import Observer
 from ..system.starts import Start
 from ..system.wiring import Node
 from .site import Receiver, Site
+
+_LATEST = 10_000
+"""Values of a signal before the injection that are remembered, for delays."""
+_BEYOND = 10**8
+"""Base steps after `first` of which the FMUs are told."""
 
 
 @dataclass(frozen=True)
@@ -30,14 +37,20 @@ class Altered:
 
 
 class Rig:
-    """Flies a session with signals injected from base step `first` on."""
+    """Flies a session with signals injected from base step `first` on.
+
+    Where the FMUs save their states, the time before is flown once.
+    """
 
     def __init__(self, session: Session, site: Site, first: int) -> None:
         self.session, self.site = session, site
         self.first = -(-first // site.hold) * site.hold
         self.flights = 0
         self.peaks = np.zeros(len(site.channels))
-        """The largest value of each channel in the first flight."""
+        """The largest value of each channel before the injection."""
+        self.latest: dict[Node, deque[float]] = {}
+        """What each receiver was given before the injection, the last value at the end."""
+        self._kept: Kept | None = None
 
     @property
     def period(self) -> float:
@@ -46,11 +59,23 @@ class Rig:
 
     @property
     def scales(self) -> Floats:
-        """The size of each channel: the largest value of its port in the first flight, or its nominal one."""
+        """The size of each channel: the largest value of its port before the injection, or its nominal one."""
+        if not self.flights:
+            self._begin()
         channels = self.site.channels
         ports = [channel.port for channel in channels]
         largest = {port: max(p for p, of in zip(self.peaks, ports, strict=True) if of == port) for port in ports}
         return np.array([largest[channel.port] or channel.nominal for channel in channels])
+
+    def _begin(self) -> None:
+        """Flies to the step before `first`."""
+        self.flights = 1
+        self.latest = {r.target: deque(maxlen=_LATEST) for channel in self.site.channels for r in channel.receivers}
+        last = self.first - 1  # the step up to `first` may take the first value already
+        until = last if last > 0 else 2 * self.site.hold
+        starts = self.session.opened.plan.starts
+        self._flown(_Given(self, np.empty((0, len(self.peaks)))), starts, (), (), Options(until=until), _BEYOND)
+        self._kept = self.session.kept(last) if last > 0 else None
 
     def fly(
         self,
@@ -62,62 +87,76 @@ class Rig:
     ) -> Floats:
         """Returns what comes back to each channel, before the injection is added, (samples, channels).
 
-        `injected` (samples, channels) is held from sample to sample, in the unit of the port. Raises BlockError where
-        a block fails.
+        `injected` (samples, channels) is held from sample to sample, in the unit of the port. `observers` see what
+        follows `first`, or all. Raises BlockError where a block fails.
         """
-        plan, site = self.session.opened.plan, self.site
-        steps = self.first + len(injected) * site.hold
-        circuit = replace(plan.circuit, clock=replace(plan.clock, steps=steps, interval=steps))
-        came = np.full(injected.shape, np.nan)
+        if not self.flights:
+            self._begin()
+        self.flights += 1
+        kept = self._kept if starts is None else None
+        given = _Given(self, injected, altered, 0 if kept is None else kept.count)
+        starts = self.session.opened.plan.starts if starts is None else starts
+        self._flown(given, starts, observers, nodes, Options(kept=kept), len(injected) * self.site.hold)
+        return given.came
+
+    def _flown(
+        self,
+        given: _Given,
+        starts: Mapping[str, Sequence[Start]],
+        observers: Sequence[Observer],
+        nodes: Sequence[Node],
+        options: Options,
+        more: int,
+    ) -> None:
+        circuit, steps = self.session.opened.plan.circuit, self.first + more
+        circuit = replace(circuit, clock=replace(circuit.clock, steps=steps, interval=steps))
 
         def around(blocks: Blocks) -> Blocks:
             found: dict[str, dict[Element, tuple[int, Receiver]]] = {}
-            for number, channel in enumerate(site.channels):
+            for number, channel in enumerate(self.site.channels):
                 for receiver in channel.receivers:
                     found.setdefault(receiver.target.block, {})[receiver.target.element] = number, receiver
-            fronts = {
-                name: _Front(blocks[name], circuit.rate(name), taken, self, injected, came, altered)
-                for name, taken in found.items()
-            }
+            fronts = {name: _Front(blocks[name], circuit.rate(name), taken, given) for name, taken in found.items()}
             return {**blocks, **fronts}
 
-        self.flights += 1
-        recording = self.session.fly(starts or plan.starts, observers, nodes, circuit=circuit, around=around).whole()
-        if recording.failure is not None:
-            raise recording.failure
-        return came
+        flown = self.session.fly(starts, observers, nodes, circuit=circuit, around=around, options=options).whole()
+        if flown.failure is not None:
+            raise flown.failure
+
+
+class _Given:
+    """What a flight is given, and what comes back."""
+
+    def __init__(self, rig: Rig, injected: Floats, altered: Altered = Altered(), begun: int = 0) -> None:
+        self.rig, self.injected, self.altered, self.begun = rig, injected, altered, begun
+        self.came = np.full(injected.shape, np.nan)
 
 
 class _Front(Front):
     """A receiver with what is added to some of its inputs."""
 
-    def __init__(
-        self,
-        inner: Block,
-        every: int,
-        taken: Mapping[Element, tuple[int, Receiver]],
-        rig: Rig,
-        injected: Floats,
-        came: Floats,
-        altered: Altered,
-    ) -> None:
+    def __init__(self, inner: Block, every: int, taken: Mapping[Element, tuple[int, Receiver]], given: _Given) -> None:
         super().__init__(inner)
-        self._every, self._taken, self._rig = every, taken, rig
-        self._injected, self._came, self._altered = injected, came, altered
+        self._every, self._taken, self._given = every, taken, given
 
     def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:
-        given = super().wire(inputs, outputs, live, into)
-        hand_over, every, rig = self.inner.set_inputs, self._every, self._rig
-        first, hold, injected, came, peaks = rig.first, rig.site.hold, self._injected, self._came, rig.peaks
-        gain, late = self._altered.gain, self._altered.delay // every
+        values = super().wire(inputs, outputs, live, into)
+        flight, every, hand_over = self._given, self._every, self.inner.set_inputs
+        rig, injected, came = flight.rig, flight.injected, flight.came
+        first, hold, peaks, channels = rig.first, rig.site.hold, rig.peaks, rig.site.channels
+        gain, late = flight.altered.gain, flight.altered.delay // every
         places = [
-            (place, number, receiver.factor, receiver.behind, rig.site.channels[number].receivers[0] is receiver)
+            (place, number, receiver, channels[number].receivers[0] is receiver)
             for place, element in enumerate(inputs)
             if element in self._taken
             for number, receiver in [self._taken[element]]
         ]
-        kept = {place: [0.0] * late for place, *_ in places}
-        calls, looks = 0, bool(late) or rig.flights == 1
+        waiting = {place: deque([0.0] * late) for place, *_ in places}
+        calls, remembers, looks = flight.begun // every, not len(injected), bool(late) or not len(injected)
+        if flight.begun and late:
+            for place, _, receiver, _ in places:
+                latest = list(rig.latest[receiver.target])
+                waiting[place] = deque(([0.0] * late + latest)[len(latest) :])
 
         def set_inputs() -> None:
             nonlocal calls
@@ -125,23 +164,25 @@ class _Front(Front):
             if calls * every < first and not looks:
                 hand_over()
                 return
-            for place, number, factor, behind, sampled in places:
-                value = given[place]
-                if sampled:
-                    peaks[number] = max(peaks[number], abs(value / factor))
-                sample, within = divmod(calls * every - behind - first, hold)
+            for place, number, receiver, sampled in places:
+                value, factor = values[place], receiver.factor
+                if remembers:
+                    rig.latest[receiver.target].append(value)
+                    if sampled:
+                        peaks[number] = max(peaks[number], abs(value / factor))
+                sample, within = divmod(calls * every - receiver.behind - first, hold)
                 acts = 0 <= sample < len(injected)
                 if late:
-                    kept[place].append(value)
-                    before = kept[place].pop(0)
+                    waiting[place].append(value)
+                    before = waiting[place].popleft()
                     value = before if acts else value
                 if acts:
                     value *= gain
                     if sampled and within < every:
                         came[sample, number] = value / factor
                     value += factor * injected[sample, number]
-                given[place] = value
+                values[place] = value
             hand_over()
 
         self.set_inputs = set_inputs
-        return given
+        return values

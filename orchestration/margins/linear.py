@@ -1,6 +1,6 @@
 """A linear model of what was measured: A, B, C, D of the map from one sample to the next.
 
-The answer to a pulse is known sample by sample (excitation.py), and the eigensystem realization (J.-N. Juang, R. S.
+The answer to a pulse is known sample by sample (measure.py), and the eigensystem realization (J.-N. Juang, R. S.
 Pappa, Journal of Guidance 8 (1985) 620) makes the balanced model of it: x+ = A x + B d, v = C x + D d. Its states are
 those that inputs move and outputs show, in the order in which they do; the singular values tell how many are seen above
 the noise. The open loop follows from S = (I + L)^-1.
@@ -21,7 +21,7 @@ from scipy.linalg import hankel, svd
 
 from ..errors import writing
 from ..fmu.model import Floats
-from .excitation import Complex
+from .analysis import Complex
 from .measure import Response
 
 SEEN = 3e-4

@@ -2,36 +2,41 @@
 
 What is injected is d, what comes back v; the receiver takes u = v + d. Flights are compared with the one without
 injection, so noise of a fixed seed cancels. With the loop's transfer matrix L, v = -L u, and dv/dd = S - I, S = (I +
-L)^-1. Each channel is excited by a multisine of peak a, and by one of peak -a/2: where the loop is linear, both give
-the same response. The difference is the error of the measurement, and above a limit there is no result, but a reason.
+L)^-1. Each channel is given a pulse of size a, which has every line, and one of -a/2: where the loop is linear, both
+give the same response. The difference is the error of the measurement, and above a limit there is no result, but a
+reason. A last flight with pulses at a later instant tells whether the loop varies with time.
 
 Tests: tests/orchestration/margins/test_measure.py.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..fmu.model import Floats
-from .excitation import Complex, Multisine
+from .analysis import Complex
 from .inject import Rig
 
-AMPLITUDES = tuple(10.0**-n for n in range(2, 7))
-"""Peaks that are tried, beside the largest value of the signal so far, until one is good enough."""
+POINTS = 400
+"""Frequencies of a response, by equal ratios from that of the window to half of the sampling frequency."""
+AMPLITUDES = tuple(10.0**-n for n in range(2, 8))
+"""Sizes of pulses that are tried, beside the largest value of the signal so far, until one is good enough."""
 GOOD = 2e-3
-"""Error of a response, beside the response, with which no smaller peak is tried."""
+"""Error of a response, beside the response, with which no smaller pulse is tried."""
 LIMIT = 0.05
 """Error above which there is no result."""
+VARIES = 0.3
+"""Largest change of the response within a window above which there is no result."""
 _PROBE, LONGEST = 256, 65536
 """Samples after a pulse that are looked at: first, and at most."""
-_SETTLED = 0.01
+_SETTLED = 1e-3
 """Share of the largest answer to a pulse below which it has died out."""
-PERIODS = 2
-_PERIOD = 1.25
-"""A period of the multisine beside the time in which a pulse dies out."""
+_ENOUGH = 0.02
+"""Share that may be left at the end of the longest window: it is cut off, and counts as an error."""
+_LATER = 0.13
+"""When the pulses of the last flight begin, beside the window."""
 
 
 @dataclass
@@ -43,15 +48,15 @@ class Response:
     """rad/s"""
     S: Complex
     error: Floats
-    """Of each channel's column, beside its size: nonlinearity, noise, and change from period to period."""
+    """Of each channel's column, beside its size: nonlinearity, noise, and what the window cuts off."""
     amplitude: Floats
-    """Peak of what was injected, in the unit of each channel."""
+    """Pulse that was injected, in the unit of each channel."""
     step: float
     """Seconds from sample to sample."""
     pulse: Floats = field(default_factory=lambda: np.empty((0, 0, 0)))
     """dv/dd: what comes back of a pulse of 1, (samples, channels, channels)."""
-    settling: int = 0
-    """Samples in which the answer to a pulse dies out."""
+    change: float = 0.0
+    """Of the response within the window, beside its largest size."""
     flights: int = 0
     warnings: list[str] = field(default_factory=list)
     refused: str = ""
@@ -76,113 +81,126 @@ def measure(rig: Rig, longest: int = LONGEST) -> Response:
     """
     n = len(rig.site.channels)
     answer = Response(rig.site.labels, np.empty(0), np.empty((0, n, n), complex), np.zeros(n), np.zeros(n), rig.period)
-    answer.settling = _settling(rig, answer, longest)
-    if answer.settling:
-        _respond(rig, answer, answer.settling)
+    window, left = _window(rig, answer, longest)
+    if window:
+        _respond(rig, answer, window, left)
     answer.flights = rig.flights
     return answer
 
 
-def _settling(rig: Rig, answer: Response, longest: int) -> int:
-    """Returns the samples in which the answer to a pulse dies out; 0, with the reason, where it does not."""
+def spectrum(pulse: Floats, omega: Floats, step: float) -> Complex:
+    """Returns the response (lines, ...) at omega (lines,) rad/s whose answer to a pulse this is, (samples, ...)."""
+    turns = np.outer(omega * step, np.arange(len(pulse)))
+    return np.asarray(np.tensordot(np.exp(-1j * turns), pulse, 1))
+
+
+def _window(rig: Rig, answer: Response, longest: int) -> tuple[int, float]:
+    """Returns the samples in which the answer to a pulse dies out, and what is left then beside the largest; 0, with
+    the reason, where it does not."""
     n, count = len(rig.site.channels), min(_PROBE, longest)
     while True:
         base = rig.fly(np.zeros((count, n)))
         pulse = np.zeros((count, n))
-        pulse[0] = 1e-3 * rig.scales
-        size = np.abs((rig.fly(pulse) - base) / pulse[0]).max(axis=1)
-        if not size.max() > 1e-9:
+        pulse[0] = 1e-4 * rig.scales
+        sizes = np.abs((rig.fly(pulse) - base) / pulse[0])
+        if not sizes.max() > 1e-9:
             answer.refused = "nothing comes back of what is injected: the loop is open here, saturated, or switches"
-            return 0
-        last = int(np.flatnonzero(size > _SETTLED * size.max())[-1]) + 1
-        if last <= count // 2:
-            return last
-        if count >= longest:
+            return 0, 0.0
+        size = (sizes / np.maximum(sizes.max(axis=0), 1e-9)).max(axis=1)
+        first, _, third, last = (float(np.sqrt(np.mean(part**2))) for part in np.array_split(size, 4))
+        left = float(size[-count // 8 :].max())
+        if left < (_SETTLED if count < longest else _ENOUGH) and last < max(third, 1e-6):
+            return count, left
+        if count >= longest or last > 10 * first:
             break
-        count = min(4 * count, longest)
-    quarters = [float(np.sqrt(np.mean(part**2))) for part in np.array_split(size, 4)]
-    if quarters[3] < 0.5 * quarters[1]:
+        count = min(2 * count, longest)
+    if last < 0.5 * first:
         answer.refused = f"the answer to a pulse has not died out after {count * rig.period:.4g} s; remedy: --window"
     else:
         answer.refused = (
             f"a pulse does not die out within {count * rig.period:.4g} s "
-            f"(its answer is {quarters[3] / max(quarters[0], 1e-300):.3g} of that at first): "
+            f"(its answer is {last / max(first, 1e-300):.3g} of that at first): "
             "the loop is unstable, in a limit cycle, or noise differs from flight to flight"
         )
-    return 0
+    return 0, 0.0
 
 
-def _respond(rig: Rig, answer: Response, settling: int) -> None:
+def _respond(rig: Rig, answer: Response, window: int, left: float) -> None:
     """Measures the columns of S."""
-    sine, n = Multisine(max(math.ceil(_PERIOD * settling), _PROBE // 2) // 2 * 2), len(rig.site.channels)
-    signal = sine.signal(3 * settling // 2, PERIODS)
-    shape = len(signal), n
-    base = rig.fly(np.zeros(shape))
-    scales = rig.scales
-    noise = np.abs(rig.fly(np.zeros(shape)) - base).max(axis=0) / scales
+    n, later = len(rig.site.channels), round(_LATER * window)
+    scales, still = rig.scales, np.zeros((window + later, n))
+    base = rig.fly(still)
+    noise = np.abs(rig.fly(still) - base).max(axis=0) / scales
     if noise.max() > 0.0:
         answer.warnings.append(
             f"two flights of the same differ by {noise.max():.2g} of the signal: a block's noise has no fixed seed"
         )
-    answer.omega, columns = (
-        sine.frequencies(rig.period),
-        [_column(rig, sine, signal, base, j, scales[j]) for j in range(n)],
-    )
-    answer.pulse = sine.pulse(np.stack([column.mean for column in columns], axis=2))
-    answer.S = sine.between(answer.pulse) + np.eye(n)
+    answer.omega = np.geomspace(np.pi / (2 * window), np.pi, POINTS) / rig.period
+    columns = [_column(rig, answer.omega, base[:window], j, scales[j]) for j in range(n)]
+    answer.pulse = np.stack([column.mean for column in columns], axis=2)
     answer.amplitude = scales * [column.share for column in columns]
-    for j, column in enumerate(columns):
-        answer.error[j] = max(column.unlike, column.change)
-        if column.change > 5 * GOOD:
-            answer.warnings.append(
-                f"{answer.labels[j]}: the response changes by {100 * column.change:.2g} % within "
-                f"{sine.samples * rig.period:.4g} s: the loop varies with time"
-            )
+    answer.error = np.array([max(column.unlike, left) for column in columns])
+    answer.S = spectrum(answer.pulse, answer.omega, rig.period) + np.eye(n)
+    still[later] = answer.amplitude
+    after = (rig.fly(still) - base)[later:]
+    then, now = (spectrum(a, answer.omega, rig.period) for a in (after, answer.pulse @ answer.amplitude))
+    answer.change = _apart(then, now, 1.0)
     worst = int(np.argmax(answer.error))
+    seconds = later * rig.period
     if answer.error[worst] > LIMIT:
         answer.refused = (
-            f"{answer.labels[worst]}: the loop is not linear here: no peak between {AMPLITUDES[-1]:g} and "
+            f"{answer.labels[worst]}: the loop is not linear here: no pulse between {AMPLITUDES[-1]:g} and "
             f"{AMPLITUDES[0]:g} of the signal gives the same response as its half with the other sign; the least "
             f"difference is {100 * answer.error[worst]:.2g} % (saturation, a switch, a quantized signal, or noise)"
+        )
+    elif answer.change > VARIES:
+        answer.refused = (
+            f"the response changes by {100 * answer.change:.2g} % within {seconds:.4g} s: the loop varies with time or "
+            "repeats, and has no margins of a moment; remedy: multipliers by --orbit"
         )
     elif answer.error[worst] > 5 * GOOD:
         answer.warnings.append(
             f"{answer.labels[worst]}: the response is uncertain by {100 * answer.error[worst]:.2g} %"
         )
+    if LIMIT < answer.change <= VARIES:
+        answer.warnings.append(
+            f"the response changes by {100 * answer.change:.2g} % within {seconds:.4g} s: the loop varies with time"
+        )
 
 
 @dataclass(frozen=True)
 class _Column:
-    """dv/dd of one channel (lines, channels), and how far its measurements differ, beside its size."""
+    """dv/dd of one channel, and how far its measurements differ, beside its size."""
 
-    mean: Complex
+    mean: Floats
+    """Answer to a pulse of 1, (samples, channels)."""
     unlike: float
-    """Between the two peaks."""
-    change: float
-    """From period to period."""
     share: float
-    """The peak of the injection beside the channel's size."""
+    """The pulse beside the channel's size."""
 
 
-def _column(rig: Rig, sine: Multisine, signal: Floats, base: Floats, j: int, scale: float) -> _Column:
+def _column(rig: Rig, omega: Floats, base: Floats, j: int, scale: float) -> _Column:
     best: _Column | None = None
-    measured = PERIODS * sine.samples
     for share in AMPLITUDES:
-        flown = []
-        for part in (share, -0.5 * share):
+        found = []
+        for part in (share * scale, -0.5 * share * scale):
             injected = np.zeros_like(base)
-            injected[:, j] = part * scale * signal
-            came = sine.spectrum((rig.fly(injected) - base)[-measured:])
-            flown.append(came / sine.spectrum(injected[-measured:, j : j + 1]))
-        found = np.array(flown)  # (peaks, periods, lines, channels)
-        mean = found.mean(axis=(0, 1))
-        size = np.maximum(np.abs(mean), 0.1 * np.abs(mean).max())
-        unlike, change = (float((np.abs(np.diff(found, axis=axis)) / size).max()) for axis in (0, 1))
+            injected[0, j] = part
+            found.append((rig.fly(injected) - base) / part)
+        whole, half = (spectrum(one, omega, rig.period) for one in found)
+        unlike = _apart(whole, half)
         if best is None or unlike < best.unlike:
-            best = _Column(mean, unlike, change, share)
+            best = _Column(0.5 * (found[0] + found[1]), unlike, share)
         elif unlike > 10 * best.unlike:
             break
         if unlike < GOOD:
             break
     assert best is not None
     return best
+
+
+def _apart(a: Complex, b: Complex, least: float = 0.1) -> float:
+    """Returns the largest difference of two responses (lines, channels), beside their size at this line or a share of
+    the largest one of this channel."""
+    size = np.maximum(np.abs(a + b) / 2, least * np.abs(b).max(axis=0))
+    return float((np.abs(a - b) / np.maximum(size, 1e-300)).max())

@@ -62,8 +62,7 @@ class Found:
         said = []
         for one in self.searched:
             change = one.change
-            text = f"{change.name}: holds at {one.holds:.4g}, "
-            text += f"lost at {one.lost:.4g}" if math.isfinite(one.lost) else "the end of the span"
+            text = str(one)
             if self.together is not None and change.name in ("gain", "delay"):
                 m, up = self.together, change.end > change.start
                 margin = m.delay if change.name == "delay" else m.gain_up if up else m.gain_down
@@ -84,10 +83,7 @@ class Found:
                 label: _pairs(m) | {"amplitude": float(response.amplitude[i]), "error": float(response.error[i])}
                 for i, (label, m) in enumerate(zip(response.labels, self.each, strict=False))
             },
-            "searched": [
-                {"name": s.change.name, "holds": s.holds, "lost": s.lost if math.isfinite(s.lost) else None}
-                for s in self.searched
-            ],
+            "searched": [one.data() for one in self.searched],
             "together": None if self.together is None else _pairs(self.together),
         }
 

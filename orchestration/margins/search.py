@@ -9,8 +9,9 @@ Tests: tests/orchestration/margins/test_search.py.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,9 @@ CLOSE = 0.02
 """Where the bisection ends: the two ends beside their mean."""
 _PULSE = 1e-3
 """Beside the channel's largest value."""
-Holds = Callable[[Altered, dict[str, list[Start]]], bool]
+Starts = Mapping[str, Sequence[Start]] | None
+"""Start values where parameters are changed; None for those of the scenario."""
+Holds = Callable[[Altered, Starts], bool]
 
 
 @dataclass(frozen=True)
@@ -68,6 +71,15 @@ class Lost:
     """The least that was seen to lose it; infinite where the end of the span holds."""
     flights: int
 
+    def __str__(self) -> str:
+        end = f"lost at {self.lost:.4g}" if math.isfinite(self.lost) else "the end of the span"
+        return f"{self.change.name}: holds at {self.holds:.4g}, {end}"
+
+    def data(self) -> dict[str, Any]:
+        """Returns the same for JSON."""
+        lost_at = self.lost if math.isfinite(self.lost) else None
+        return {"name": self.change.name, "holds": self.holds, "lost": lost_at}
+
 
 def lost(rig: Rig, change: Change, holds: Holds) -> Lost:
     """Returns between which values of a change the loop is lost. Raises InputError where it does not hold at the
@@ -93,7 +105,7 @@ def lost(rig: Rig, change: Change, holds: Holds) -> Lost:
 def pulse_dies_out(rig: Rig, samples: int) -> Holds:
     """Returns whether a pulse at the site is answered by less at the end of the window than at its beginning."""
 
-    def holds(altered: Altered, starts: dict[str, list[Start]]) -> bool:
+    def holds(altered: Altered, starts: Starts) -> bool:
         still = np.zeros((samples, len(rig.site.channels)))
         pulse = still.copy()
         pulse[0] = _PULSE * rig.scales
@@ -115,7 +127,7 @@ def expectations_are_met(rig: Rig) -> Holds:
     nodes = list(dict.fromkeys(node for check in plan.checks for node in check.needed))
     samples = max(plan.clock.steps - rig.first, 0) // rig.site.hold
 
-    def holds(altered: Altered, starts: dict[str, list[Start]]) -> bool:
+    def holds(altered: Altered, starts: Starts) -> bool:
         observers = [ExpectationObserver(check) for check in plan.checks]
         try:
             rig.fly(np.zeros((samples, len(rig.site.channels))), altered, observers, nodes, starts)
@@ -128,12 +140,12 @@ def expectations_are_met(rig: Rig) -> Holds:
     return holds
 
 
-def _applied(rig: Rig, change: Change, value: float) -> tuple[Altered, dict[str, list[Start]]]:
+def _applied(rig: Rig, change: Change, value: float) -> tuple[Altered, Starts]:
     plan = rig.session.opened.plan
     if change.name == "gain":
-        return Altered(gain=value), plan.starts
+        return Altered(gain=value), None
     if change.name == "delay":
-        return Altered(delay=round(value / plan.clock.step)), plan.starts
+        return Altered(delay=round(value / plan.clock.step)), None
     return Altered(), {**plan.starts, **scaled(rig, change.name, value)}
 
 

@@ -31,6 +31,16 @@ _REPORT_EVERY = 0.05
 
 
 @dataclass(frozen=True)
+class Kept:
+    """Where a flight goes on from, in place of initialization."""
+
+    count: int
+    """Base steps that are done."""
+    restore: Callable[[], None]
+    """Brings the instances, which have been reset, into their states of then. Raises BlockError."""
+
+
+@dataclass(frozen=True)
 class Options:
     """How the loop of a run goes; the results are the same."""
 
@@ -41,6 +51,9 @@ class Options:
     """Holds the loop in Python to wall time; None for a run as fast as it goes."""
     soon: int = ROWS
     """Base steps until the observers are shown the first samples."""
+    until: int | None = None
+    """Base steps after which it ends, before the end that the FMUs are told."""
+    kept: Kept | None = None
 
 
 class Master:
@@ -64,19 +77,25 @@ class Master:
         recording, observation = self._recording(), Observation(self.observed, circuit.clock, observers, options.soon)
         rows = 0
         try:
-            initialize(self.blocks, starts, circuit)
+            kept = options.kept
+            if kept is None:
+                initialize(self.blocks, starts, circuit)
             if self._bus is None:
                 self._bus = lay_out(self.blocks, circuit, self.columns, self.observed)
             bus = self._bus
             bus.values.fill(0.0)
-            self._leave(bus)
+            if kept is not None:
+                kept.restore()
+            self._leave(bus, kept is None)
             bus.values.take(bus.columns, 0, recording.values[0], "clip")
             bus.values.take(bus.observed, 0, observation.rows[0], "clip")
             rows = 1
             loop: CompiledLoop | PythonLoop | None = None
-            if options.compiled and options.pacer is None:
+            if options.compiled and options.pacer is None and kept is None:
                 loop = compiled_loop(bus, circuit, observation, recording)
-            _drive(loop or PythonLoop(bus, circuit, observation, recording, options.pacer), circuit, recording, options)
+            begun = observation.first = 0 if kept is None else kept.count
+            loop = loop or PythonLoop(bus, circuit, observation, recording, options.pacer, begun)
+            _drive(loop, circuit, recording, options)
             self._record_end(bus, recording)
         except Abandoned:
             pass  # the recording says that it was interrupted
@@ -98,9 +117,9 @@ class Master:
             message = f"the recording would take {size:.3g} GB; remedy: a longer record.interval, or fewer signals"
             raise InputError(message) from None
 
-    def _leave(self, bus: Bus) -> None:
-        """Leaves initialization mode and fetches the outputs at 0."""
-        for seat in bus.seats:
+    def _leave(self, bus: Bus, leaves: bool) -> None:
+        """Leaves initialization mode, if need be, and fetches the outputs of the start."""
+        for seat in bus.seats if leaves else ():
             seat.block.leave()
         with np.errstate(over="ignore"):
             for seat in bus.seats:
@@ -133,6 +152,7 @@ def _drive(loop: CompiledLoop | PythonLoop, circuit: Circuit, recording: Recordi
     changes of blocks that are due between two steps.
     """
     clock, progress, stretch = circuit.clock, options.progress, 1
+    end = clock.steps if options.until is None else options.until
     changes = Changes(circuit, [seat.block for seat in loop.bus.seats])
 
     def report(count: int) -> None:
@@ -144,9 +164,9 @@ def _drive(loop: CompiledLoop | PythonLoop, circuit: Circuit, recording: Recordi
         try:
             if options.pacer is not None:
                 options.pacer.begin(clock, interrupted, report)
-            while loop.count < clock.steps and not interrupted:
+            while loop.count < end and not interrupted:
                 changes.make(loop.count)
-                until = min(loop.count + stretch, clock.steps, loop.observation.room(loop.count), changes.next)
+                until = min(loop.count + stretch, end, loop.observation.room(loop.count), changes.next)
                 loop.advance(int(until), interrupted)
                 now = perf_counter()
                 if now - reported < _REPORT_EVERY / 2:

@@ -43,9 +43,16 @@ class PythonLoop:
     """A loop over any blocks that are initialized and wired."""
 
     def __init__(
-        self, bus: Bus, circuit: Circuit, observation: Observation, recording: Recording, pacer: Pacer | None
+        self,
+        bus: Bus,
+        circuit: Circuit,
+        observation: Observation,
+        recording: Recording,
+        pacer: Pacer | None,
+        begun: int = 0,
     ) -> None:
-        self.bus, self.observation, self.count = bus, observation, 0
+        """`begun`: base steps that are done already."""
+        self.bus, self.observation, self.count = bus, observation, begun
         self._circuit, self._recording, self._pacer = circuit, recording, pacer
         places = {seat.block.name: place for place, seat in enumerate(bus.seats)}
         self._gathers = [gatherer(seat, circuit, places, lambda: self.count + 1) for seat in bus.seats]

@@ -19,7 +19,7 @@ from ..instances.law import Law
 from ..instances.slave import Slave
 from ..instances.surroundings import Surroundings
 from ..master.circuit import Circuit
-from ..master.master import Master, Options
+from ..master.master import Kept, Master, Options
 from ..master.recording import Recording
 from ..system.observer import Observer
 from ..system.starts import Start
@@ -78,6 +78,25 @@ class Session:
         if recording.failure is not None or recording.interrupted or not self._resets:
             recording.closing = self.close()  # FMI allows little after a failure
         return recording
+
+    def kept(self, count: int) -> Kept | None:
+        """Returns where the last flight has ended, after so many base steps, for others to go on from there.
+
+        None where not all instances can be reset and save their states; it is of no use once they are closed.
+        """
+        faults, slaves = self.opened.plan.circuit.faults, list(self._instances.values())
+        if not slaves or faults.settings or faults.disturbances or self.opened.rates.substeps:
+            return None
+        try:
+            states = [(block, block.save()) for block in slaves if isinstance(block, Slave)]
+        except BlockError:
+            return None
+
+        def restore() -> None:
+            for block, state in states:
+                block.restore(state)
+
+        return Kept(count, restore) if len(states) == len(slaves) else None
 
     def _ready(
         self,

@@ -23,6 +23,10 @@ SCENARIO = "scenarios/paper_no_singularity.yaml"
 RATE = 0.001084719
 PORTS, STATE = ("plant.dipole_cmd", "plant.wheel_torque_cmd"), ("plant.R_NB", "plant.omega_B", "plant.h_w")
 SIZE = 1e-2 * np.array([0.02, 0.02, 0.02, 1e-6])
+FEWER = {(-1, -1, 1): np.array([0.3, 0.3, 0.3, 10.0])}
+"""Where the wheel moves the body least: it is given more, and the rods less, since gains grow with |rate error|."""
+    [0.006, 0.006, 0.006, 1e-5]
+)  # larger ones show the law's |rate error|, which has no second derivative
 MU = 3.986004418e14
 
 
@@ -40,7 +44,7 @@ def measured(turn: tuple[int, int, int], seconds: float, segment: int = 200):
     with Session(open_scenario(setup.scenario)) as session:
         plan = session.opened.plan
         rig = Rig(session, site(plan, PORTS), 0)
-        return setup, orbit(rig, coordinates(plan, STATE), round(seconds / rig.period), SIZE, segment, more=12)
+        return setup, orbit(rig, coordinates(plan, STATE), round(seconds / rig.period), SIZE * FEWER.get(turn, 1.0), segment, more=12)
 
 
 def hat(v):
@@ -128,8 +132,7 @@ def test_multipliers_of_the_four_equilibria_are_those_of_a_variational_integrati
     exact = np.linalg.eigvals(Witness(setup, turn, 45.0).transition(300, 100))
     multipliers = np.exp(found.logs)
     for one in exact:
-        # 3e-6 at (-1, -1, 1), the largest error of the fit; 1e-6 at the others
-        assert np.abs(multipliers - one).min() < (4e-6 if turn == (-1, -1, 1) else 1e-6)
+        assert np.abs(multipliers - one).min() < 1e-6
     # The wheel's momentum is kept, and its multiplier is 1 but for the turn of the field.
     assert (np.abs(multipliers) > 1.01).sum() == unstable
     assert (np.abs(np.abs(multipliers) - 1) < 0.005).sum() == 1

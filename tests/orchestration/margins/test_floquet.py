@@ -5,7 +5,8 @@ import pytest
 
 from orchestration.errors import InputError
 from orchestration.fmu.model import Variable
-from orchestration.margins.floquet import LEAD, Coordinates, coordinates, logs, orbit
+from orchestration.margins.floquet import LEAD, Coordinates, Repeated, coordinates, logs, orbit
+from orchestration.margins.search import Change, lost
 
 from .loops import law, linear, rig
 
@@ -46,6 +47,27 @@ def test_a_state_that_is_not_observed_is_told():
     found = orbit(loop, coordinates(loop.session.opened.plan, ["plant.y"]), 40, np.array([1e-3]), segment=2)
     assert found.rest > 1e-3
     assert "not observed" in found.verdict or "not explained" in found.verdict
+
+
+def test_a_hidden_state_is_seen_in_several_instants_and_the_largest_multiplier_is_exact():
+    hidden = np.array([[0.9, 0.3, 0.0], [0.0, 0.8, 0.5], [0.1, 0.0, 0.7]])
+    drive, feedback = np.eye(3)[:, 2:], np.array([[0.1, 0.0]])
+    loop = rig(lambda: [linear(hidden, drive, np.eye(3)[:2]), law(lambda y: -feedback @ y, 2)])
+    seen = coordinates(loop.session.opened.plan, ["plant.y"])
+    found = Repeated.of(loop, seen, 40, np.array([1e-3]), segment=2)
+    assert (found.depth, found.nominal.verdict) == (2, "the observed coordinates are the whole state that matters")
+    exact = np.abs(np.linalg.eigvals(hidden - drive @ feedback @ np.eye(3)[:2])).max()
+    assert found.nominal.logs[0].real == pytest.approx(40 * np.log(exact), rel=1e-5)
+    # A gain that is the same in all channels makes it unstable where an eigenvalue leaves the circle.
+    change = lost(loop, Change("gain", 1.0, 30.0), found.decays)
+    sizes = [np.abs(np.linalg.eigvals(hidden - k * drive @ feedback @ np.eye(3)[:2])).max() for k in (1, 30)]
+    assert sizes[0] < 1 < sizes[1]
+    at = [
+        np.abs(np.linalg.eigvals(hidden - k * drive @ feedback @ np.eye(3)[:2])).max()
+        for k in (change.holds, change.lost)
+    ]
+    assert at[0] < 1.01
+    assert at[1] > 0.99
 
 
 def test_multipliers_that_no_double_can_hold_have_logarithms():

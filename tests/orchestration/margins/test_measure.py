@@ -89,6 +89,20 @@ def test_a_loop_without_margins_gives_the_reason_and_no_number(function, reason)
     assert re.search(reason, response.refused), response.refused
 
 
+def test_a_loop_that_repeats_has_no_margins_of_a_moment():
+    def make():
+        count = [0]
+
+        def function(y):
+            count[0] += 1
+            return -GAINS @ y * (1.0 + 0.9 * np.sin(count[0] / 7))
+
+        return [linear(A, B, np.eye(3)), law(function, 3)]
+
+    response = measure(rig(make))
+    assert re.search("varies with time or repeats", response.refused), response.refused
+
+
 def test_noise_of_a_fixed_seed_cancels():
     def make():
         noise = np.random.default_rng(1)
