@@ -32,6 +32,7 @@ ALIGNED = {
 """A hold that begins 1 deg off, at the rate of LVLH."""
 COMMANDS = ("plant.dipole_cmd", "plant.wheel_torque_cmd")
 STATE = ("plant.R_NB", "plant.omega_B", "plant.h_w")
+PLANNED = "planned, one wheel"
 REPEATS = "repeats every 10 s"
 PIECE, SPAN = 20, 400
 """Samples of 0.5 s: from plan to plan, and of the multipliers of a planned hold."""
@@ -61,7 +62,7 @@ CASES = {
     "usual law, three wheels, noise": Case(
         "flight_three_wheels", tuple(f"plant.wheel_torque_cmd[{i}]" for i in (1, 2, 3)), 3600.0, 600.0
     ),
-    "planned, one wheel": Case("flight_hold", COMMANDS, 600.0, 600.0, planned=True),
+    PLANNED: Case("flight_hold", COMMANDS, 600.0, 600.0, planned=True),
     "planned, no wheel": Case(
         "flight_hold", COMMANDS[:1], 600.0, 600.0, {"wheel_torque_max": 1e-9, "plant.h_w0": 0.0}, planned=True
     ),

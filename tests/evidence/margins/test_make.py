@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from evidence.margins import make, page
+from evidence.margins import cases, make, page
 
 
 @pytest.fixture(scope="module")
@@ -19,16 +19,18 @@ def test_the_page_is_that_of_what_is_kept(kept):
 
 
 def test_an_equilibrium_measured_today_is_that_of_the_page(kept):
-    found = make.equilibrium((-1, 1, -1))
+    found = cases.equilibrium((-1, 1, -1))
     stated = next(one for one in kept["equilibria"] if one["turn"] == [-1, 1, -1])
     np.testing.assert_allclose(found["rates"], stated["rates"], atol=1e-6)
 
 
-def test_the_delay_margin_brackets_the_loss_of_stability_within_a_tenth(kept):
+def test_vb_has_margins_at_every_place_and_they_bracket_the_loss_of_stability_within_a_tenth(kept):
     delay = next(one for one in kept["changes"] if one["name"] == "delay")
-    margin = next(row["delay"] for row in kept["places"] if row["place"] == 0 and row["case"].startswith("V.B"))
-    assert margin == pytest.approx(delay["holds"], rel=0.1)
-    assert margin == pytest.approx(delay["lost"], rel=0.1)
+    rows = [row for row in kept["places"] if row["case"].startswith("V.B")]
+    assert [row["place"] for row in rows] == list(make.PLACES)
+    for row in rows:
+        assert row["delay"] == pytest.approx(delay["holds"], rel=0.1)
+        assert row["delay"] == pytest.approx(delay["lost"], rel=0.1)
 
 
 def test_the_paper_has_one_stable_equilibrium_and_saddles_of_one_two_and_three_directions(kept):

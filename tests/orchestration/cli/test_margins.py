@@ -74,9 +74,13 @@ def test_wrong_options_are_refused_with_their_place(loop):
 
 def test_multipliers_of_the_loop_are_those_of_its_pole(loop):
     options = ("--at", "motor.voltage", "--when", "1 s", "--orbit", "4 s", "--state", "motor.speed")
-    result = orchestrate("margins", loop, *options, "--sensitivity", "regulator.gain", "--json")
+    result = orchestrate(
+        "margins", loop, *options, "--sensitivity", "regulator.gain", "--change", "gain=1..40", "--json"
+    )
     assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)
+    (change,) = found["searched"]  # the pole is at -1 with a gain of 2/(g h)
+    assert change["holds"] <= 1.01 * 2 / (GAIN * STEP) <= 1.02 * change["lost"]
     pole = 1 - GAIN * STEP
     assert found["logs"] == [[pytest.approx(40 * np.log(pole), rel=1e-6), 0.0]]
     assert found["rest"] < 1e-6
