@@ -25,8 +25,6 @@ PORTS, STATE = ("plant.dipole_cmd", "plant.wheel_torque_cmd"), ("plant.R_NB", "p
 SIZE = 1e-2 * np.array([0.02, 0.02, 0.02, 1e-6])
 FEWER = {(-1, -1, 1): np.array([0.3, 0.3, 0.3, 10.0])}
 """Where the wheel moves the body least: it is given more, and the rods less, since gains grow with |rate error|."""
-    [0.006, 0.006, 0.006, 1e-5]
-)  # larger ones show the law's |rate error|, which has no second derivative
 MU = 3.986004418e14
 
 
@@ -44,7 +42,8 @@ def measured(turn: tuple[int, int, int], seconds: float, segment: int = 200):
     with Session(open_scenario(setup.scenario)) as session:
         plan = session.opened.plan
         rig = Rig(session, site(plan, PORTS), 0)
-        return setup, orbit(rig, coordinates(plan, STATE), round(seconds / rig.period), SIZE * FEWER.get(turn, 1.0), segment, more=12)
+        size = SIZE * FEWER.get(turn, 1.0)
+        return setup, orbit(rig, coordinates(plan, STATE), round(seconds / rig.period), size, segment, more=12)
 
 
 def hat(v):
