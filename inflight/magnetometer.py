@@ -29,6 +29,9 @@ GAIN_JUMP = 0.1
 NOISE = 5e-7
 """T, with which the residuals begin; the fit's own rms takes its place."""
 HUBER = 2.0
+PARTS, STUDENT = 6, 1.312
+"""Of a record, of which one after the other is left out for the covariance; the 97.5% of Student's distribution with
+one freedom less than parts, over that of the normal one."""
 SHOWN = 0.2
 """A parameter is shown by the record where its deviation is below this part of what was known before."""
 _UPPER = np.triu_indices(3)
@@ -48,7 +51,8 @@ class Calibration:
     drift: Floats
     """(knots,3) T, of the bias, of mean 0"""
     covariance: Floats
-    """Of A (its upper triangle by rows), the bias, the gain and the drift, an axis after the other."""
+    """Of A (its upper triangle by rows), the bias, the gain and the drift, an axis after the other; with errors that
+    last from row to row."""
     rms: float
     """T, of the field's size"""
     residual: Floats
@@ -146,7 +150,8 @@ def calibrate(
     r, J = _residual(x, m, size, H)
     scale = np.concatenate((np.ones(6), np.full(3, unit), np.ones(len(knots)), np.full(len(drift), unit)))
     covariance = np.zeros((len(x), len(x)))
-    covariance[np.ix_(free, free)] = np.linalg.inv(N[np.ix_(free, free)]) * _inflation(r)
+    w = np.minimum(1.0, HUBER * sigma / np.maximum(np.abs(r), 1e-12)) / sigma**2
+    covariance[np.ix_(free, free)] = _honest(N[np.ix_(free, free)], J[:, free], r, w)
     A = np.zeros((3, 3))
     A[_UPPER] = x[:6]
     rms = float(np.sqrt(np.mean(r**2))) * unit
@@ -192,10 +197,21 @@ def _hats(t: Floats, knots: Floats) -> Floats:
     return np.array([np.interp(t, knots, row) for row in np.eye(len(knots))]).T
 
 
-def _inflation(r: Floats) -> float:
-    """How many residuals count as one, by their correlation from row to row: (1 + rho)/(1 - rho)."""
-    if len(r) < 10:
-        return 1.0
-    d = r - r.mean() + 1e-30
-    rho = float(np.clip(d[1:] @ d[:-1] / (d @ d), 0.0, 0.98))
-    return (1.0 + rho) / (1.0 - rho)
+def _honest(N: Floats, J: Floats, r: Floats, w: Floats) -> Floats:
+    """The covariance of a fit with normal equations N, derivatives J (n,k), residuals r and weights w (n,).
+
+    The model's errors (field, orbit, what a gain does not follow) last for minutes, so a record of thousands of rows
+    has far fewer independent ones, and a fit follows some of them. The jackknife leaves out one part of the record after
+    the other (Tukey, 1958; here by one step of Gauss and Newton), which needs no model of them. Few parts know a
+    deviation poorly: Student's factor is in it. No deviation is below that of independent rows, which has what is
+    known before.
+    """
+    independent = np.asarray(np.linalg.inv(N), float)
+    changes = []
+    for rows in np.array_split(np.arange(len(r)), PARTS):
+        part = J[rows] * w[rows, None]
+        changes.append(np.linalg.solve(N - part.T @ J[rows], part.T @ r[rows]))
+    off = np.array(changes) - np.mean(changes, axis=0)
+    jackknife = STUDENT**2 * (PARTS - 1) / PARTS * off.T @ off
+    size = np.sqrt(np.maximum(np.diag(jackknife) / np.diag(independent), 1.0))
+    return np.asarray(independent * np.outer(size, size))

@@ -27,7 +27,7 @@ from ..plots import BLUE, GREEN, RED, name_axes, panels, save
 from . import spins
 from .flown import through_the_estimator
 from .records import records
-from .study import FALSE, FIT, LONG, Free, Shown, free_motion, long_record, pair, sky
+from .study import FALSE, FIT, LONG, Free, Shown, air_and_rest, free_motion, long_record, pair, sky
 
 FIGURE = "flight-data"
 
@@ -135,6 +135,8 @@ def _of_record(s: Shown) -> list[str]:
             f"{name}: {what} at {edge.time:.0f} s, by the currents {edge.late:+.1f} s from that, "
             f"{edge.late_air:+.1f} s with air"
         )
+    if (parts := air_and_rest(s.edges)) is not None:
+        out.append(f"{name}: eclipse, air's part {parts[0]:.1f} s, the rest {parts[1]:+.1f} s")
     return out
 
 
@@ -220,6 +222,13 @@ def fields(done: Study) -> dict[str, Any]:
     ]
     free = done.free
     motion = [] if free is None else [_motion(row) for row in free.rows]
+    told = of_spins(done.spins)
+    parts = [(s.flight.name, both) for s in done.shown if (both := air_and_rest(s.edges)) is not None]
+    through = [
+        (sky(s.flight, a, done.full)[0], pair(s.flight, a, done.full))
+        for s, a in zip(done.shown, done.flown, strict=True)
+    ]
+    wrong = [spins.counted(cases)["wrong, not reported"] for cases in done.spins.values()]
     counts = [
         [what, *(str(n) for n in spins.counted(cases).values()), f"{spins.largest_trusted(cases):.1f}"]
         for what, cases in done.spins.items()
@@ -234,6 +243,15 @@ def fields(done: Study) -> dict[str, Any]:
         "motion_lines": _of_motion(done),
         "counts": counts,
         "flown": _of_flown(done),
+        "c_three": next((f"{three.rms:.1f}" for three, _ in through if three is not None), "-"),
+        "c_two": next((f"{two.rms:.1f}" for _, two in through if two is not None), "-"),
+        "one_wrong": str(wrong[0]) if wrong else "-",
+        "bank_wrong": "none" if not sum(wrong[1:]) else str(sum(wrong[1:])),
+        "quiet": [line for line in told if "deg off" in line],
+        "parts": [f"{name}: air {air:.1f} s, the rest {rest:+.1f} s" for name, (air, rest) in parts],
+        "air": " and ".join(f"{air:.1f}" for _, (air, _) in parts) or "-",
+        "rest": " and ".join(f"{rest:+.1f}" for _, (_, rest) in parts) or "-",
+        "forecast": "-" if free is None else f"{free.whole('forecast') / free.noise:.2f}",
         "bias": _gyro(done.shown),
         "inertia_bias": "" if free is None else _degrees(free.inertia.p[5:8]),
     }

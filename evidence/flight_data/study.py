@@ -112,6 +112,16 @@ def edges(flight: Flight, found: Attitudes) -> list[Edge]:
     return out
 
 
+def air_and_rest(found: Sequence[Edge]) -> tuple[float, float] | None:
+    """Half of what the shadow of a record is longer than the model's, s, which is what air does, and the shift of its
+    middle, s, which it does not; None without both an entry and an exit."""
+    late = [[edge.late for edge in found if edge.entry is entry] for entry in (True, False)]
+    if not all(late):
+        return None
+    entry, exit_ = float(np.mean(late[0])), float(np.mean(late[1]))
+    return 0.5 * (exit_ - entry), 0.5 * (exit_ + entry)
+
+
 def _shift(t: Floats, light: Floats, currents: Floats, faces: list[Floats], at: Floats) -> float:
     def misfit(shift: float) -> float:
         least = np.inf
