@@ -39,9 +39,10 @@ class Banked:
     strain: float = 0.0
 
     @property
-    def doubtful(self) -> bool:
-        """Whether an attitude that is far from the best fits alike, or the gyro's errors are not such as can be."""
-        return not (self.ambiguity < UNIQUE and self.strain <= STRAIN_MAX)
+    def doubtful(self) -> int:
+        """1 where an attitude that is far from the best fits alike, 2 where the gyro's errors are not such as can be,
+        else 0."""
+        return 1 if not self.ambiguity < UNIQUE else 2 if not self.strain <= STRAIN_MAX else 0
 
     @property
     def packed(self) -> Array:

@@ -70,7 +70,7 @@ class Outputs:
     attitude_sigma_B: Array
     covariance: Array
     attitude_valid: bool
-    attitude_doubtful: bool
+    attitude_doubtful: int
     ambiguity: float
     rate_scale_B: Array
     nis: Array
@@ -179,7 +179,7 @@ def _currents(u: Inputs) -> Array:
 
 
 def _given_out(x: Estimate, p: Parameters, banked: Banked | None = None) -> Outputs:
-    doubtful = banked is not None and banked.doubtful
+    doubtful = 0 if banked is None else banked.doubtful
     sigma = np.sqrt(np.diag(x.P)[:3]) if x.tracking else np.full(3, math.pi)
     sun_N = onboard.sun_direction(p.days + x.t / 86400.0)
     return Outputs(

@@ -201,8 +201,8 @@ def _honest(N: Floats, J: Floats, r: Floats, w: Floats) -> Floats:
     """The covariance of a fit with normal equations N, derivatives J (n,k), residuals r and weights w (n,).
 
     The model's errors (field, orbit, what a gain does not follow) last for minutes, so a record of thousands of rows
-    has far fewer independent ones, and a fit follows some of them. The jackknife leaves out one part of the record after
-    the other (Tukey, 1958; here by one step of Gauss and Newton), which needs no model of them. Few parts know a
+    has far fewer independent ones, and a fit follows some of them. The jackknife leaves out one part of the record
+    after the other (Tukey, 1958; here by one step of Gauss and Newton), which needs no model of them. Few parts know a
     deviation poorly: Student's factor is in it. No deviation is below that of independent rows, which has what is
     known before.
     """

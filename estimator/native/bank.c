@@ -231,7 +231,10 @@ void estimator_bank_look(const BankNoise *noise, Bank *bank)
     bank->scale = best->scale;
 }
 
-bool estimator_bank_doubtful(const Bank *bank)
+int32_t estimator_bank_doubtful(const Bank *bank)
 {
-    return !(bank->ambiguity < UNIQUE && bank->strain <= STRAIN_MAX);
+    if (!(bank->ambiguity < UNIQUE)) {
+        return 1;
+    }
+    return bank->strain <= STRAIN_MAX ? 0 : 2;
 }

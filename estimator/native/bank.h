@@ -54,8 +54,8 @@ void estimator_bank_prune(Bank *bank);
 /* Ambiguity, strain and scale of the best filter. */
 void estimator_bank_look(const BankNoise *noise, Bank *bank);
 
-/* Whether an attitude far from the best fits alike, or the gyro's errors are not such as can be. */
-bool estimator_bank_doubtful(const Bank *bank);
+/* 1 where an attitude far from the best fits alike, 2 where the gyro's errors are not such as can be, else 0. */
+int32_t estimator_bank_doubtful(const Bank *bank);
 
 /* Rows: two axes across a direction of length 1, and that. */
 Matrix estimator_axes_about(Vector z);

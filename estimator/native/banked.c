@@ -89,7 +89,7 @@ void estimator_by_bank(const EstimatorLaw *law, const EstimatorInputs *u, const 
     const BankFilter *best = &bank->of[estimator_bank_best(bank)];
     estimator_bank_look(&noise, bank);
     const Vector rate = subtract(now, best->bias), k = best->scale;
-    x->known = x->known || !estimator_bank_doubtful(bank);
+    x->known = x->known || estimator_bank_doubtful(bank) == 0;
     x->R = best->R;
     x->rate_bias = best->bias;
     x->rate = add((Vector){rate.x / (1.0 + k.x), rate.y / (1.0 + k.y), rate.z / (1.0 + k.z)}, best->bias);

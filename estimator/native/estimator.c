@@ -72,7 +72,7 @@ static void put_out(const EstimatorLaw *law, const Estimate *x, const Bank *bank
     }
     if (law->p.bank) {
         y->attitude_doubtful = estimator_bank_doubtful(bank);
-        y->attitude_valid = y->attitude_valid && !y->attitude_doubtful;
+        y->attitude_valid = y->attitude_valid && y->attitude_doubtful == 0;
         y->ambiguity = bank->ambiguity;
         store(bank->scale, y->rate_scale_B);
     }
