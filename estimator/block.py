@@ -75,6 +75,7 @@ class Outputs:
     rate_scale_B: Array
     nis: Array
     rejected: Array
+    health: Array
     sun_N: Array
     sunlight: float
 
@@ -198,6 +199,7 @@ def _given_out(x: Estimate, p: Parameters, banked: Banked | None = None) -> Outp
         rate_scale_B=np.zeros(3) if banked is None else banked.scale,
         nis=x.nis,
         rejected=x.rejected.astype(np.int32),
+        health=np.array([w.health for w in x.watch], dtype=np.int32),
         sun_N=sun_N,
         sunlight=onboard.sunlight(x.r_N, sun_N) if x.oriented else 0.0,
     )

@@ -11,7 +11,10 @@ import numpy as np
 from . import onboard
 from .banked import Banked, Seen, by_bank
 from .filter import propagated
+from .health import ATTITUDE, FIELD, RATE, SUN, noticed
+from .isolation import compared, gyro_weighed, rate_chosen, unknown_torque
 from .measurements import by_field, by_sun, by_tracker, started
+from .orbit import with_orbit
 from .parameters import Parameters
 from .rates import Torques, turn_by_dynamics, turn_by_gyro
 from .so3 import Array, exp, norm, orthonormalised
@@ -27,34 +30,64 @@ def advanced(
     """The estimate h s later (0 at the start), with what is measured then; by a bank of filters, which it changes,
     where there is one."""
     x = replace(x, t=x.t + h)
-    x = _with_orbit(x, new.orbit, p, h)
+    x = with_orbit(x, new.orbit, p, h)
     if not x.oriented:
-        rate = x.rate if new.omega_B is None or p.rate_source == "dynamics" else new.omega_B
+        rate = x.rate if new.omega_B is None or not x.by_gyro else new.omega_B
         if banked is not None:
             banked.rate = rate
         return replace(x, rate=rate, b_B=x.b_B if new.b_B is None else new.b_B)
     field_N = p.field.at(x.t, x.r_N)
     sun_N = onboard.sun_direction(p.days + x.t / 86400.0)
-    if banked is None:
-        x = _by_gyro(x, new.omega_B, p, h) if p.rate_source == "gyro" else _by_dynamics(x, field_N, given, p, h)
     rods = p.rod_field @ given.dipole
     usable = bool((np.abs(given.dipole) <= p.dipole_limit).all())
     b_B = new.b_B - rods if usable and new.b_B is not None else None
     sunlight = onboard.sunlight(x.r_N, sun_N)
     sun_B = new.sun_B if sunlight > LIGHT_MIN else None
+    x = _noticed(x, new, sun_B, h)
+    if banked is None:
+        x = _forward(rate_chosen(x, p), new.omega_B, field_N, given, p, h)
     variance = p.field_noise * p.field_noise + p.rod_field_error * p.rod_field_error * float(rods @ rods)
     if banked is not None:
         x = by_bank(x, banked, new, Seen(b_B, variance, sun_B, field_N, sun_N, sunlight), p, h)
-        return replace(x, R=orthonormalised(x.R), b_B=_field_now(x, b_B, field_N, h))
+        return replace(
+            x, R=orthonormalised(x.R), b_B=_field_now(x, b_B if x.watch[FIELD].trusted else None, field_N, h)
+        )
     if not x.tracking:
         x = started(x, new, sun_B, b_B, sun_N, field_N, math.sqrt(variance), p)
+    x = compared(x, new.R_NB, sun_B, b_B, sun_N, field_N, variance, p)
     if new.R_NB is not None:
         x = by_tracker(x, new.R_NB, p)
     if sun_B is not None:
         x = by_sun(x, sun_B, sun_N, p)
     if b_B is not None:
         x = by_field(x, b_B, field_N, variance, p)
+    for sensor, found in ((RATE, new.omega_B), (FIELD, b_B), (ATTITUDE, new.R_NB), (SUN, sun_B)):
+        if found is not None:
+            x = x.watched(sensor, replace(x.watch[sensor], since=0.0))
+    b_B = b_B if x.watch[FIELD].trusted else None
     return replace(x, R=orthonormalised(x.R), b_B=_field_now(x, b_B, field_N, h))
+
+
+def _forward(x: Estimate, measured: Array | None, field_N: Array, given: Given, p: Parameters, h: float) -> Estimate:
+    """Rate, attitude and covariance h s later."""
+    if x.by_gyro:
+        x = _by_gyro(x, measured, p, h)
+    else:
+        x = _by_dynamics(x, field_N, given, p, h)
+        if measured is not None and p.rate_source == "gyro":
+            x = gyro_weighed(x, measured, p)
+    return replace(x, since_start=x.since_start + h)
+
+
+def _noticed(x: Estimate, new: Measured, sun_B: Array | None, h: float) -> Estimate:
+    """Each new measurement looked at for itself."""
+    x = replace(x, watch=tuple(replace(w, since=w.since + h) for w in x.watch))
+    turns = None if new.R_NB is None else new.R_NB[(0, 1, 2), (1, 2, 0)]
+    seen = ((RATE, new.omega_B, False), (FIELD, new.b_B, False), (ATTITUDE, turns, True), (SUN, sun_B, True))
+    for sensor, v, every in seen:
+        if v is not None:
+            x = x.watched(sensor, noticed(x.watch[sensor], v, every))
+    return x
 
 
 def _field_now(x: Estimate, b_B: Array | None, field_N: Array, h: float) -> Array:
@@ -62,18 +95,6 @@ def _field_now(x: Estimate, b_B: Array | None, field_N: Array, h: float) -> Arra
     if b_B is not None:
         return b_B - x.field_bias
     return x.R.T @ field_N if x.known else exp(-h * x.omega_B) @ x.b_B
-
-
-def _with_orbit(x: Estimate, measured: tuple[Array, Array] | None, p: Parameters, h: float) -> Estimate:
-    r_N, v_N, since = x.r_N, x.v_N, x.since_orbit + h
-    if x.oriented and h > 0.0:
-        r_N, v_N = onboard.orbit_after(r_N, v_N, h, p.gravitational_parameter, p.j2)
-    if measured is not None:
-        share = since / (p.orbit_time + since) if x.oriented and p.orbit_time > 0.0 else 1.0
-        r_N = (1.0 - share) * r_N + share * measured[0]
-        v_N = (1.0 - share) * v_N + share * measured[1]
-        since = 0.0
-    return replace(x, r_N=r_N, v_N=v_N, since_orbit=since, oriented=x.oriented or measured is not None)
 
 
 def _by_gyro(x: Estimate, measured: Array | None, p: Parameters, h: float) -> Estimate:
@@ -100,10 +121,11 @@ def _by_dynamics(x: Estimate, field_N: Array, given: Given, p: Parameters, h: fl
     torques = Torques(
         p.J_B, p.J_inverse, p.wheel_axis / norm(p.wheel_axis), p.rod_axes.T @ given.dipole, field_N, nadir, wheel
     )
-    growth = torques.growth(x.rate, x.momentum)
-    R, turn, rate = turn_by_dynamics(x.R, x.rate, x.momentum, torques, h)
-    walk = p.momentum_random_walk * p.momentum_random_walk * p.J_inverse @ p.J_inverse.T
-    return _spread(replace(x, R=R, rate=rate, momentum=after), turn, 1.0, growth, walk, 0.0, p, h)
+    growth = torques.growth(x.omega_B, x.momentum)
+    R, turn, omega = turn_by_dynamics(x.R, x.omega_B, x.momentum, torques, h)
+    unknown = unknown_torque(x, p)
+    walk = (p.momentum_random_walk * p.momentum_random_walk + unknown * unknown) * p.J_inverse @ p.J_inverse.T
+    return _spread(replace(x, R=R, rate=omega + x.rate_bias, momentum=after), turn, 1.0, growth, walk, 0.0, p, h)
 
 
 def _spread(

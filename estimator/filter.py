@@ -10,6 +10,7 @@ Requirement: ES-2.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,13 +23,16 @@ ATTITUDE, RATE, BIAS = slice(0, 3), slice(3, 6), slice(6, 9)
 
 @dataclass(frozen=True)
 class Innovation:
-    """A measurement against its prediction: y (3,) = H_attitude δ + H_bias μ + noise of variances r (3,),
-    independent."""
+    """A measurement against its prediction: y (3,) = H_attitude δ + H_bias μ + noise of variances r (3,), independent.
+
+    `lasting`: deviation of errors that last, beside r, for what is averaged.
+    """
 
     y: Array
     H_attitude: Array
     H_bias: Array
     r: Array
+    lasting: float = 0.0
 
 
 def propagated(
@@ -52,12 +56,13 @@ def propagated(
     return 0.5 * (P + P.T)
 
 
-def corrected(P: Array, innovation: Innovation) -> tuple[Array, Array, float]:
-    """Error state (9,), covariance (9,9) and normalised innovation squared of a measurement, its components in turn.
+def corrected(P: Array, innovation: Innovation) -> tuple[Array, Array, float, Array]:
+    """Error state (9,), covariance (9,9) and normalised innovation squared of a measurement, and its components over
+    their deviations with what lasts (3,); they are taken in turn.
 
     Each in Joseph's form, in which P stays positive whatever is rounded.
     """
-    error, nis = np.zeros(9), 0.0
+    error, nis, scaled = np.zeros(9), 0.0, []
     H = np.hstack((innovation.H_attitude, np.zeros((3, 3)), innovation.H_bias))
     for y, row, r in zip(innovation.y, H, innovation.r, strict=True):
         PH = P @ row
@@ -66,7 +71,8 @@ def corrected(P: Array, innovation: Innovation) -> tuple[Array, Array, float]:
         left = float(y) - float(row @ error)
         error = error + left * K
         nis += left * left / s
+        scaled.append(left / math.sqrt(s + innovation.lasting * innovation.lasting))
         M = P - np.outer(K, PH)
         P = M - np.outer(M @ row, K) + float(r) * np.outer(K, K)
         P = 0.5 * (P + P.T)
-    return error, P, nis
+    return error, P, nis, np.array(scaled)

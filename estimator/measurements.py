@@ -11,7 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from . import health
 from .filter import ATTITUDE, BIAS, RATE, Innovation, corrected
+from .health import weighed
+from .isolation import backed, restarted, start_rate_sigma
 from .parameters import Parameters
 from .so3 import Array, exp, hat, log, norm
 from .start import sine, triad
@@ -19,8 +22,12 @@ from .state import NO_MATRIX, Estimate, Measured, start_covariance
 
 FIELD, SUN, TRACKER = range(3)
 """Numbers of the sensors that are gated."""
-IN_A_ROW = 50
-"""So many measurements of one sensor above the gate, one after the other, end the filter: it starts again."""
+SENSOR = (health.FIELD, health.SUN, health.ATTITUDE)
+"""Those of health.py."""
+IN_A_ROW = 50.0
+"""So many measurements of one sensor more above the gate than within it are a failure."""
+ALIGNED = 4.4e-3
+"""rad; what a star tracker may be off for long."""
 START_FACTOR, ANCHOR_FACTOR = 10.0, 2.0
 """Of the first attitude's standard deviation, for that of the covariance at the start; less where an
 earlier field gives it."""
@@ -47,7 +54,9 @@ def started(
     """
     off = sigma / norm(field_N)
     R, spread = None, math.pi
-    if new.R_NB is not None:
+    sun_B = sun_B if x.watch[health.SUN].trusted else None
+    b_B = b_B if x.watch[health.FIELD].trusted else None
+    if new.R_NB is not None and x.watch[health.ATTITUDE].trusted:
         R, spread = new.R_NB, START_FACTOR * (p.attitude_noise_boresight + p.attitude_noise)
     elif sun_B is not None and b_B is not None:
         first, second = ((b_B, field_N), (sun_B, sun_N)) if off < p.sun_noise else ((sun_B, sun_N), (b_B, field_N))
@@ -57,9 +66,9 @@ def started(
         R = triad(b_B, x.anchor_B, field_N, x.anchor_N, ANCHOR_ANGLE)
         spread = ANCHOR_FACTOR * (2.0 * off + p.rate_bias_sigma * x.anchor_age) / sine(field_N, x.anchor_N)
     if R is not None:
-        P = start_covariance(spread, p)
-        return replace(x, R=R, P=P, known=True, tracking=True, anchored=False, in_a_row=np.zeros(3))
-    if b_B is not None and p.rate_source == "gyro" and (not x.anchored or x.anchor_age > ANCHOR_AGE):
+        x = replace(x, P=start_covariance(spread, start_rate_sigma(x, p), p), since_start=0.0)
+        return replace(x, R=R, known=True, tracking=True, anchored=False, in_a_row=np.zeros(3))
+    if b_B is not None and x.by_gyro and (not x.anchored or x.anchor_age > ANCHOR_AGE):
         return replace(x, anchored=True, anchor_B=b_B, anchor_N=field_N, anchor_age=0.0)
     return x
 
@@ -67,7 +76,7 @@ def started(
 def by_tracker(x: Estimate, R_NB: Array, p: Parameters) -> Estimate:
     axes, across, about = p.tracker_axes, p.attitude_noise**2, p.attitude_noise_boresight**2
     y = axes @ log(x.R.T @ R_NB)
-    return _taken(x, TRACKER, Innovation(y, axes, NO_MATRIX, np.array((across, across, about))), p)
+    return _taken(x, TRACKER, Innovation(y, axes, NO_MATRIX, np.array((across, across, about)), ALIGNED), p)
 
 
 def by_sun(x: Estimate, sun_B: Array, sun_N: Array, p: Parameters) -> Estimate:
@@ -83,24 +92,31 @@ def by_field(x: Estimate, b_B: Array, field_N: Array, variance: float, p: Parame
 
 
 def _taken(x: Estimate, sensor: int, innovation: Innovation, p: Parameters) -> Estimate:
-    """With a measurement, unless it is beyond the gate."""
+    """With a measurement, unless it is beyond the gate or its sensor is not trusted."""
     if not x.tracking:
         return x
-    error, P, value = corrected(x.P, innovation)
+    error, P, value, scaled = corrected(x.P, innovation)
     this = np.arange(3) == sensor
-    nis = np.where(this, value, x.nis)
-    if not value <= p.gate:
-        in_a_row = x.in_a_row + this
-        tracking = bool(in_a_row[sensor] < IN_A_ROW)
-        return replace(x, nis=nis, rejected=x.rejected + this, in_a_row=in_a_row, tracking=tracking)
-    gyro = p.rate_source == "gyro"
+    w, within = x.watch[SENSOR[sensor]], value <= p.gate
+    before = 0.0 if w.frozen else float(x.in_a_row[sensor])
+    in_a_row = max(before - 1.0, 0.0) if within else min(before + 1.0, IN_A_ROW)
+    well = backed(x, SENSOR[sensor])
+    w, wrong = weighed(w, scaled, within and (well or sensor != FIELD))
+    x = replace(
+        x.watched(SENSOR[sensor], w),
+        nis=np.where(this, value, x.nis),
+        rejected=x.rejected + (this & (not within)),
+        in_a_row=np.where(this, in_a_row, x.in_a_row),
+    )
+    if (wrong or in_a_row == IN_A_ROW) and not (w.frozen or w.repeats):
+        x = restarted(x) if well else x.watched(SENSOR[sensor], replace(w, suspect=True))
+    if not (within and x.watch[SENSOR[sensor]].trusted and x.tracking):
+        return x
     return replace(
         x,
         R=x.R @ exp(error[ATTITUDE]),
-        rate=x.rate if gyro else x.rate + error[RATE],
-        rate_bias=x.rate_bias + error[RATE] if gyro else x.rate_bias,
+        rate=x.rate if x.by_gyro else x.rate + error[RATE],
+        rate_bias=x.rate_bias + error[RATE] if x.by_gyro else x.rate_bias,
         field_bias=x.field_bias + error[BIAS],
         P=P,
-        nis=nis,
-        in_a_row=np.where(this, 0.0, x.in_a_row),
     )

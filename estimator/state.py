@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
-from typing import Any, NamedTuple
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from .health import BLANK, CALM, SENSORS, Watch
 from .parameters import Parameters
 from .so3 import Array
 
@@ -45,6 +46,8 @@ class Estimate:
     """The filter runs: its covariance is that of the attitude."""
     oriented: bool
     """There is an orbit."""
+    by_gyro: bool
+    """The rate is the gyro's, not that of the equations of motion."""
     R: Array
     rate: Array
     """rad/s: that of the gyro as measured, or, without one, the estimated rate."""
@@ -71,24 +74,40 @@ class Estimate:
     nis: Array
     rejected: Array
     in_a_row: Array
+    """Of each gated sensor's measurements, more that were rejected than were not."""
+    watch: tuple[Watch, ...]
+    """Of each sensor."""
+    field_alone: Array
+    """Averages in deviations: the field's strength, its angle to the Sun, nothing."""
+    field_by_tracker: Array
+    sun_by_tracker: Array
+    """Of field and Sun against the star tracker."""
+    field_calm: float
+    """s for which field_alone has been small."""
+    restarted: bool
+    since_start: float
+    """s"""
+    fix_r_N: Array
+    fix_v_N: Array
+    """The last measured orbit, whether or not it was used."""
+    since_fix: float
+    """s"""
+    fixes: float
+    """In turn that agree with each other, where they do not with the orbit."""
 
     @property
     def packed(self) -> Array:
         """All of it as one array, in which an FMU keeps it."""
-        return np.concatenate([np.ravel(getattr(self, f.name)).astype(np.float64) for f in fields(self)])
+        return _packed(self)
 
     @classmethod
     def unpacked(cls, values: Array) -> Estimate:
         """The estimate of which `packed` made the array."""
-        parts: dict[str, Any] = {}
-        at = 0
-        for f in fields(cls):
-            shape = (9, 9) if f.name == "P" else (3, 3) if f.name == "R" else (3,) if f.type == "Array" else ()
-            size = math.prod(shape)
-            part = values[at : at + size].reshape(shape)
-            parts[f.name] = part if shape else bool(part) if f.type == "bool" else float(part)
-            at += size
-        return cls(**parts)
+        return _unpacked(cls, values, [0])
+
+    def watched(self, sensor: int, watch: Watch) -> Estimate:
+        """With another watch of a sensor."""
+        return replace(self, watch=(*self.watch[:sensor], watch, *self.watch[sensor + 1 :]))
 
     @property
     def omega_B(self) -> Array:
@@ -104,11 +123,12 @@ def blank(omega_B: Array, p: Parameters) -> Estimate:
         known=False,
         tracking=False,
         oriented=False,
+        by_gyro=gyro,
         R=NO_MATRIX,
         rate=omega_B if gyro else ZERO,
         rate_bias=ZERO,
         field_bias=ZERO,
-        P=start_covariance(math.pi, p),
+        P=start_covariance(math.pi, p.rate_bias_sigma, p),
         since_rate=0.0,
         r_N=ZERO,
         v_N=ZERO,
@@ -122,10 +142,45 @@ def blank(omega_B: Array, p: Parameters) -> Estimate:
         nis=ZERO,
         rejected=ZERO,
         in_a_row=ZERO,
+        watch=(BLANK,) * len(SENSORS),
+        field_alone=ZERO,
+        field_by_tracker=ZERO,
+        sun_by_tracker=ZERO,
+        field_calm=CALM,
+        restarted=False,
+        since_start=0.0,
+        fix_r_N=ZERO,
+        fix_v_N=ZERO,
+        since_fix=0.0,
+        fixes=0.0,
     )
 
 
-def start_covariance(attitude_sigma: float, p: Parameters) -> Array:
-    """(9,9), with nothing known of the biases but their parameters."""
-    sigmas = np.repeat((attitude_sigma, p.rate_bias_sigma, p.field_bias_sigma), 3)
+def _packed(x: Estimate | Watch) -> Array:
+    parts: list[Array] = []
+    for f in fields(x):
+        value = getattr(x, f.name)
+        parts += [_packed(w) for w in value] if isinstance(value, tuple) else [np.ravel(value).astype(np.float64)]
+    return np.concatenate(parts)
+
+
+_Kept = TypeVar("_Kept", Estimate, Watch)
+
+
+def _unpacked(cls: type[_Kept], values: Array, at: list[int]) -> _Kept:
+    parts: dict[str, Any] = {}
+    for f in fields(cls):
+        if f.name == "watch":
+            parts[f.name] = tuple(_unpacked(Watch, values, at) for _ in SENSORS)
+            continue
+        shape = (9, 9) if f.name == "P" else (3, 3) if f.name == "R" else (3,) if f.type == "Array" else ()
+        part = values[at[0] : at[0] + math.prod(shape)].reshape(shape)
+        parts[f.name] = part if shape else bool(part) if f.type == "bool" else float(part)
+        at[0] += math.prod(shape)
+    return cls(**parts)
+
+
+def start_covariance(attitude_sigma: float, rate_sigma: float, p: Parameters) -> Array:
+    """(9,9), with nothing known but deviations in each axis."""
+    sigmas = np.repeat((attitude_sigma, rate_sigma, p.field_bias_sigma), 3)
     return np.diag(sigmas * sigmas)

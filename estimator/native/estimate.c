@@ -8,7 +8,8 @@
 
 static const double PI = 3.14159265358979323846;
 static const Matrix ZERO = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-static const double LIGHT_MIN = 0.5; /* of the Sun that must be seen for its direction to count */
+static const double LIGHT_MIN = 0.5;   /* of the Sun that must be seen for its direction to count */
+static const double INERTIA_OFF = 1.0; /* s^(1/2) */
 
 static bool is_zero(const double v[3])
 {
@@ -18,27 +19,12 @@ static bool is_zero(const double v[3])
 void estimator_blank(const EstimatorLaw *law, const EstimatorInputs *u, Estimate *x)
 {
     memset(x, 0, sizeof *x);
-    if (law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO) {
+    x->by_gyro = law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO;
+    if (x->by_gyro) {
         x->rate = vector(u->omega_B_measured);
     }
+    x->field_calm = ESTIMATOR_CALM;
     estimator_covariance_at_start(PI, law->p.rate_bias_sigma, law->p.field_bias_sigma, &x->P);
-}
-
-static void take_orbit(const EstimatorLaw *law, const EstimatorInputs *u, bool fresh, double h, Estimate *x)
-{
-    const EstimatorParameters *p = &law->p;
-    x->since_orbit += h;
-    if (x->oriented && h > 0.0) {
-        estimator_orbit_after(h, p->gravitational_parameter, p->j2, &x->r_N, &x->v_N);
-    }
-    if (fresh && !is_zero(u->r_N_measured)) {
-        const bool averaged = x->oriented && p->orbit_time > 0.0;
-        const double share = averaged ? x->since_orbit / (p->orbit_time + x->since_orbit) : 1.0;
-        x->r_N = add(scale(1.0 - share, x->r_N), scale(share, vector(u->r_N_measured)));
-        x->v_N = add(scale(1.0 - share, x->v_N), scale(share, vector(u->v_N_measured)));
-        x->since_orbit = 0.0;
-        x->oriented = true;
-    }
 }
 
 static void spread(const EstimatorLaw *law, Vector turn, double sign, Matrix F, Matrix walk, double angle_walk,
@@ -89,11 +75,15 @@ static void forward_by_dynamics(const EstimatorLaw *law, const Given *given, Vec
         .nadir_N = scale(sqrt(3.0 * law->p.gravitational_parameter / (r * r * r)) / r, x->r_N),
         .wheel = wheel,
     };
-    const double square = law->p.momentum_random_walk * law->p.momentum_random_walk;
+    Vector omega = subtract(x->rate, x->rate_bias);
+    const double fallback =
+        law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO ? INERTIA_OFF * norm(cross(omega, apply(law->J, omega))) : 0.0;
+    const double square = law->p.momentum_random_walk * law->p.momentum_random_walk + fallback * fallback;
     Matrix walk = multiply(law->J_inverse, transposed(law->J_inverse));
     walk = (Matrix){scale(square, walk.a), scale(square, walk.b), scale(square, walk.c)};
-    const Matrix growth = estimator_rate_growth(&torques, x->rate, before);
-    const Vector turn = estimator_turn_by_dynamics(&torques, before, h, &x->R, &x->rate);
+    const Matrix growth = estimator_rate_growth(&torques, omega, before);
+    const Vector turn = estimator_turn_by_dynamics(&torques, before, h, &x->R, &omega);
+    x->rate = add(omega, x->rate_bias);
     spread(law, turn, 1.0, growth, walk, 0.0, h, x);
 }
 
@@ -129,14 +119,60 @@ static Matrix orthonormalised(Matrix R)
     return multiply(R, left);
 }
 
+/* Looks at each new measurement for itself. */
+static void notice(const EstimatorInputs *u, const Fresh *fresh, const Directions *seen, double h, Estimate *x)
+{
+    for (int i = 0; i < SENSORS; ++i) {
+        x->watch[i].since += h;
+    }
+    if (fresh->rate) {
+        estimator_notice(u->omega_B_measured, false, &x->watch[SENSOR_RATE]);
+    }
+    if (fresh->field && !is_zero(u->b_B_measured)) {
+        estimator_notice(u->b_B_measured, false, &x->watch[SENSOR_FIELD]);
+    }
+    if (seen->has_tracker) {
+        const double turns[3] = {u->R_NB_measured[0][1], u->R_NB_measured[1][2], u->R_NB_measured[2][0]};
+        estimator_notice(turns, true, &x->watch[SENSOR_ATTITUDE]);
+    }
+    if (seen->has_sun) {
+        const double sun[3] = {seen->sun_B.x, seen->sun_B.y, seen->sun_B.z};
+        estimator_notice(sun, true, &x->watch[SENSOR_SUN]);
+    }
+}
+
+/* Rate, attitude and covariance h s later. */
+static void forward(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given,
+                    const Directions *seen, double h, Estimate *x)
+{
+    estimator_choose_rate(law, x);
+    if (x->by_gyro) {
+        forward_by_gyro(law, u, fresh->rate, h, x);
+    } else {
+        forward_by_dynamics(law, given, seen->field_N, h, x);
+        if (fresh->rate && law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO) {
+            estimator_weigh_gyro(law, vector(u->omega_B_measured), x);
+        }
+    }
+    x->since_start += h;
+}
+
+/* From now on count the times from the last measurements. */
+static void settle(const Fresh *fresh, const Directions *seen, Estimate *x)
+{
+    const bool measured[SENSORS] = {fresh->rate, seen->has_field, false, seen->has_tracker, seen->has_sun};
+    for (int i = 0; i < SENSORS; ++i) {
+        x->watch[i].since = measured[i] ? 0.0 : x->watch[i].since;
+    }
+}
+
 void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given,
                        double h, Estimate *x, Bank *bank)
 {
     x->t += h;
-    take_orbit(law, u, fresh->orbit, h, x);
-    const bool gyro = law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO;
+    estimator_take_orbit(law, u, fresh->orbit, h, x);
     if (!x->oriented) {
-        x->rate = gyro && fresh->rate ? vector(u->omega_B_measured) : x->rate;
+        x->rate = x->by_gyro && fresh->rate ? vector(u->omega_B_measured) : x->rate;
         x->b_B = fresh->field ? vector(u->b_B_measured) : x->b_B;
         if (law->p.bank) {
             bank->rate = x->rate;
@@ -144,21 +180,19 @@ void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const 
         return;
     }
     const Directions seen = directions(law, u, fresh, given, x);
+    notice(u, fresh, &seen, h, x);
     if (law->p.bank) {
         estimator_by_bank(law, u, fresh, &seen, h, x, bank);
-    } else if (gyro) {
-        forward_by_gyro(law, u, fresh->rate, h, x);
     } else {
-        forward_by_dynamics(law, given, seen.field_N, h, x);
-    }
-    if (!law->p.bank && !x->tracking) {
-        estimator_begin(law, &seen, x);
-    }
-    if (!law->p.bank) {
+        forward(law, u, fresh, given, &seen, h, x);
+        if (!x->tracking) {
+            estimator_begin(law, &seen, x);
+        }
         estimator_take(law, &seen, x);
+        settle(fresh, &seen, x);
     }
     x->R = orthonormalised(x->R);
-    if (seen.has_field) {
+    if (seen.has_field && estimator_trusted(&x->watch[SENSOR_FIELD])) {
         x->b_B = subtract(seen.b_B, x->field_bias);
     } else if (x->known) {
         x->b_B = apply_transposed(x->R, seen.field_N);

@@ -81,6 +81,9 @@ static void put_out(const EstimatorLaw *law, const Estimate *x, const Bank *bank
     }
     memcpy(y->nis, x->nis, sizeof y->nis);
     memcpy(y->rejected, x->rejected, sizeof y->rejected);
+    for (int i = 0; i < SENSORS; ++i) {
+        y->health[i] = estimator_health(&x->watch[i]);
+    }
     store(sun_N, y->sun_N);
     y->sunlight = x->oriented ? estimator_sunlight(x->r_N, sun_N) : 0.0;
 }

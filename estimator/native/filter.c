@@ -71,8 +71,9 @@ void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Wal
     symmetrise(P);
 }
 
-/* One component: y = row . error + noise of variance r. Returns y^2/s. */
-static double correct_by(double y, const double row[ERROR_STATES], double r, Covariance *P, double error[ERROR_STATES])
+/* One component: y = row . error + noise of variance r. Gives y and s, and returns y^2/s. */
+static double correct_by(double y, const double row[ERROR_STATES], double r, Covariance *P, double error[ERROR_STATES],
+                         double *residual, double *variance)
 {
     double PH[ERROR_STATES], K[ERROR_STATES], s = r, left = y;
     for (int i = 0; i < ERROR_STATES; ++i) {
@@ -98,10 +99,12 @@ static double correct_by(double y, const double row[ERROR_STATES], double r, Cov
         }
     }
     symmetrise(P);
+    *residual = left;
+    *variance = s;
     return left * left / s;
 }
 
-double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERROR_STATES])
+double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERROR_STATES], double scaled[3])
 {
     double y[3], r[3], H[3][3], nis = 0.0;
     store(innovation->y, y);
@@ -111,7 +114,9 @@ double estimator_correct(const Innovation *innovation, Covariance *P, double err
     for (int i = 0; i < 3; ++i) {
         double row[ERROR_STATES] = {H[i][0], H[i][1], H[i][2]};
         row[ERROR_BIAS + i] = innovation->biased ? 1.0 : 0.0;
-        nis += correct_by(y[i], row, r[i], P, error);
+        double residual, variance;
+        nis += correct_by(y[i], row, r[i], P, error, &residual, &variance);
+        scaled[i] = residual / sqrt(variance + innovation->lasting * innovation->lasting);
     }
     return nis;
 }

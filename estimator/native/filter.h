@@ -23,6 +23,7 @@ typedef struct {
     Matrix H_attitude;
     bool biased;
     Vector r;
+    double lasting; /* deviation of errors that last, beside r: for what is averaged */
 } Innovation;
 
 /* With nothing known but standard deviations in each axis. */
@@ -32,8 +33,8 @@ void estimator_covariance_at_start(double attitude, double rate, double bias, Co
  * `sign`: -1 for a gyro's bias, +1 for a rate. */
 void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Walks *walks, Covariance *P);
 
-/* Takes a measurement, its components in turn, each in Joseph's form; gives the error state and returns the normalised
- * innovation squared. */
-double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERROR_STATES]);
+/* Takes a measurement, its components in turn, each in Joseph's form; gives the error state and each component over its
+ * standard deviation with what lasts, and returns the normalised innovation squared. */
+double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERROR_STATES], double scaled[3]);
 
 #endif

@@ -9,6 +9,8 @@ static const double START_FACTOR = 10.0, ANCHOR_FACTOR = 2.0;
 static const double START_SINE = 0.17364817766693033;  /* 10 deg: least angle between Sun and field */
 static const double ANCHOR_SINE = 0.34202014332566871; /* 20 deg: between two fields */
 static const double ANCHOR_AGE = 900.0;                /* s; a field that is older is no longer turned on by the gyro */
+static const double ALIGNED = 4.4e-3;                  /* rad; what a star tracker may be off for long */
+static const double RATE_UNKNOWN = 0.05;               /* rad/s; of a start without the gyro */
 
 /* Of the angle between x and y; 0 where one of them is zero. */
 static double sine(Vector x, Vector y)
@@ -39,27 +41,31 @@ void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *
 {
     const EstimatorParameters *p = &law->p;
     const double off = sqrt(seen->field_variance) / norm(seen->field_N);
+    const bool has_tracker = seen->has_tracker && estimator_trusted(&x->watch[SENSOR_ATTITUDE]);
+    const bool has_field = seen->has_field && estimator_trusted(&x->watch[SENSOR_FIELD]);
+    const bool has_sun = seen->has_sun && estimator_trusted(&x->watch[SENSOR_SUN]);
     double deviation = 0.0;
     bool begun = false;
-    if (seen->has_tracker) {
+    if (has_tracker) {
         x->R = seen->R_NB;
         deviation = START_FACTOR * (p->attitude_noise_boresight + p->attitude_noise);
         begun = true;
-    } else if (seen->has_sun && seen->has_field) {
+    } else if (has_sun && has_field) {
         begun = off < p->sun_noise ? triad(seen->b_B, seen->sun_B, seen->field_N, seen->sun_N, START_SINE, &x->R)
                                    : triad(seen->sun_B, seen->b_B, seen->sun_N, seen->field_N, START_SINE, &x->R);
         deviation = START_FACTOR * (off + p->sun_noise) / sine(seen->field_N, seen->sun_N);
-    } else if (x->anchored && seen->has_field) {
+    } else if (x->anchored && has_field) {
         begun = triad(seen->b_B, x->anchor_B, seen->field_N, x->anchor_N, ANCHOR_SINE, &x->R);
         deviation = ANCHOR_FACTOR * (2.0 * off + p->rate_bias_sigma * x->anchor_age) / sine(seen->field_N, x->anchor_N);
     }
     if (begun) {
-        estimator_covariance_at_start(deviation, p->rate_bias_sigma, p->field_bias_sigma, &x->P);
+        const bool lost = p->rate_source == ESTIMATOR_RATE_SOURCE_GYRO && !x->by_gyro;
+        estimator_covariance_at_start(deviation, lost ? RATE_UNKNOWN : p->rate_bias_sigma, p->field_bias_sigma, &x->P);
         x->known = x->tracking = true;
         x->anchored = false;
+        x->since_start = 0.0;
         memset(x->in_a_row, 0, sizeof x->in_a_row);
-    } else if (seen->has_field && p->rate_source == ESTIMATOR_RATE_SOURCE_GYRO &&
-               (!x->anchored || x->anchor_age > ANCHOR_AGE)) {
+    } else if (has_field && x->by_gyro && (!x->anchored || x->anchor_age > ANCHOR_AGE)) {
         x->anchored = true;
         x->anchor_B = seen->b_B;
         x->anchor_N = seen->field_N;
@@ -67,23 +73,33 @@ void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *
     }
 }
 
-/* Takes a measurement, unless it is beyond the gate. */
+/* Takes a measurement, unless it is beyond the gate or its sensor is not trusted. */
 static void take(const EstimatorLaw *law, int sensor, const Innovation *innovation, Estimate *x)
 {
     Covariance P = x->P;
-    double error[ERROR_STATES];
-    x->nis[sensor] = estimator_correct(innovation, &P, error);
-    if (!(x->nis[sensor] <= law->p.gate)) {
-        x->rejected[sensor] += x->rejected[sensor] < INT32_MAX ? 1 : 0;
-        x->in_a_row[sensor] += x->in_a_row[sensor] < IN_A_ROW ? 1 : 0;
-        x->tracking = x->in_a_row[sensor] < IN_A_ROW;
+    double error[ERROR_STATES], scaled[3];
+    Watch *w = &x->watch[estimator_sensor_of[sensor]];
+    x->nis[sensor] = estimator_correct(innovation, &P, error, scaled);
+    const bool within = x->nis[sensor] <= law->p.gate;
+    x->rejected[sensor] += !within && x->rejected[sensor] < INT32_MAX ? 1 : 0;
+    x->in_a_row[sensor] = w->frozen ? 0 : x->in_a_row[sensor];
+    x->in_a_row[sensor] += within ? (x->in_a_row[sensor] > 0 ? -1 : 0) : (x->in_a_row[sensor] < IN_A_ROW ? 1 : 0);
+    const bool backed = estimator_is_backed(sensor, x);
+    const bool wrong = estimator_weigh(scaled, w->since, within && (backed || sensor != GATED_FIELD), w);
+    if ((wrong || x->in_a_row[sensor] == IN_A_ROW) && !w->frozen && !estimator_repeats(w)) {
+        if (backed) {
+            estimator_restart(x);
+        } else {
+            w->suspect = true;
+        }
+    }
+    if (!within || !estimator_trusted(w) || !x->tracking) {
         return;
     }
-    x->in_a_row[sensor] = 0;
     x->P = P;
     x->R = multiply(x->R, rotation_exp(vector(error + ERROR_ATTITUDE)));
     x->field_bias = add(x->field_bias, vector(error + ERROR_BIAS));
-    Vector *rate = law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO ? &x->rate_bias : &x->rate;
+    Vector *rate = x->by_gyro ? &x->rate_bias : &x->rate;
     *rate = add(*rate, vector(error + ERROR_RATE));
 }
 
@@ -100,21 +116,22 @@ Innovation estimator_innovation(const EstimatorLaw *law, const Directions *seen,
         const double across = p->attitude_noise * p->attitude_noise;
         const double about = p->attitude_noise_boresight * p->attitude_noise_boresight;
         const Vector turn = rotation_log(multiply(transposed(R), seen->R_NB));
-        return (Innovation){apply(law->tracker_axes, turn), law->tracker_axes, false, {across, across, about}};
+        return (Innovation){apply(law->tracker_axes, turn), law->tracker_axes, false, {across, across, about}, ALIGNED};
     }
     if (sensor == GATED_SUN) {
         const Vector s = apply_transposed(R, seen->sun_N), error = subtract(seen->sun_B, s);
         const Vector y = subtract(error, scale(dot(s, error), s));
-        return (Innovation){y, hat(s), false, equal(p->sun_noise * p->sun_noise)};
+        return (Innovation){y, hat(s), false, equal(p->sun_noise * p->sun_noise), 0.0};
     }
     const Vector b = apply_transposed(R, seen->field_N), y = subtract(subtract(seen->b_B, b), field_bias);
-    return (Innovation){y, hat(b), true, equal(seen->field_variance)};
+    return (Innovation){y, hat(b), true, equal(seen->field_variance), 0.0};
 }
 
 void estimator_take(const EstimatorLaw *law, const Directions *seen, Estimate *x)
 {
     static const int order[] = {GATED_TRACKER, GATED_SUN, GATED_FIELD};
     const bool has[] = {seen->has_tracker, seen->has_sun, seen->has_field};
+    estimator_compare(law, seen, x);
     for (int i = 0; i < GATED; ++i) {
         if (has[i] && x->tracking) {
             const Innovation innovation = estimator_innovation(law, seen, order[i], x->R, x->field_bias);

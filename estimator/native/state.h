@@ -5,6 +5,7 @@
 #include "bank.h"
 #include "filter.h"
 #include "fault.h"
+#include "health.h"
 #include "onboard_field.h"
 #include "estimator_ports.h"
 #include "rotation.h"
@@ -13,7 +14,7 @@
 
 enum { GATED_FIELD, GATED_SUN, GATED_TRACKER, GATED };
 
-enum { IN_A_ROW = 50 }; /* measurements of one sensor above the gate, one after the other, that end the filter */
+enum { IN_A_ROW = 50 }; /* measurements of one sensor above the gate, one after the other, that are a failure */
 
 /* The measurements that are new at the end of a step. */
 typedef struct {
@@ -33,6 +34,7 @@ typedef struct {
     bool known;    /* there is an attitude */
     bool tracking; /* the filter runs: its covariance is that of the attitude */
     bool oriented; /* there is an orbit */
+    bool by_gyro;  /* the rate is the gyro's, not that of the equations of motion */
     Matrix R;
     Vector rate; /* of the gyro as measured, or, without one, the estimated rate */
     Vector rate_bias, field_bias;
@@ -48,6 +50,16 @@ typedef struct {
     double anchor_age;
     double nis[GATED];
     int32_t rejected[GATED], in_a_row[GATED];
+    Watch watch[SENSORS];
+    /* Sensors against each other, whatever the attitude; averages in deviations: the field's strength, and its angle to
+     * the Sun; field and Sun against the star tracker. */
+    double field_alone[3], field_by_tracker[3], sun_by_tracker[3];
+    double field_calm; /* s for which the first has been small */
+    bool restarted;
+    double since_start;      /* s */
+    Vector fix_r_N, fix_v_N; /* the last measured orbit, whether or not it was used */
+    double since_fix;
+    int32_t fixes; /* in turn that agree with each other, where they do not with the orbit */
 } Estimate;
 
 /* The estimate before the last step and after it; of that step its length, s, and what counts at a step only. */
@@ -79,6 +91,27 @@ typedef struct {
     Vector sun_B, sun_N, b_B, field_N;
     double field_variance;
 } Directions;
+
+/* Of field, Sun and star tracker. */
+extern const int estimator_sensor_of[GATED];
+
+/* The orbit h s later, with what is measured then where that is of one orbit. */
+void estimator_take_orbit(const EstimatorLaw *law, const EstimatorInputs *u, bool fresh, double h, Estimate *x);
+
+/* Averages what the sensors say of each other. */
+void estimator_compare(const EstimatorLaw *law, const Directions *seen, Estimate *x);
+
+/* Whether other sensors agree with one, whatever the filter says. None does with the Sun sensors. */
+bool estimator_is_backed(int gated, const Estimate *x);
+
+/* The filter starts again: the last resort. Where it has done so just before, its gyro is wrong. */
+void estimator_restart(Estimate *x);
+
+/* Weighs the gyro against the equations of motion by which the filter goes without it. */
+void estimator_weigh_gyro(const EstimatorLaw *law, Vector measured, Estimate *x);
+
+/* Goes on by the equations of motion where the gyro is not to be trusted, and by the gyro where it is again. */
+void estimator_choose_rate(const EstimatorLaw *law, Estimate *x);
 
 /* The first attitude, where there is one: of the star tracker, or by TRIAD (Black, 1964) of Sun and field, or of the
  * field and an earlier one. What is measured now is taken once more, by the filter, so it counts little here. */

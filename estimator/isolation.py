@@ -1,0 +1,121 @@
+"""Which of the parts that disagree is wrong: a sensor, the filter, or its gyro.
+
+docs/how/health.md derives each limit. Tests: tests/estimator/test_health.py.
+
+Requirement: ES-4.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from . import health
+from .health import ATTITUDE, CALM, FIELD, RATE, SUN, averaged, weighed
+from .parameters import Parameters
+from .so3 import Array, cross, norm
+from .state import Estimate
+
+BACKED = 0.5
+"""Of averages of sensors against each other that agree."""
+RESTARTED = 600.0
+"""s; a filter that starts again within it has a wrong gyro."""
+RATE_UNKNOWN = 0.05
+"""rad/s; deviation of the rate at a start without the gyro."""
+RATE_LOST, STALE = 1e-3, 10.0
+"""rad/s by which the rate changes over what the gyro takes to be frozen, and that time, s."""
+INERTIA_OFF = 1.0
+"""s^(1/2); the momentum's random walk without the gyro, over omega x J omega."""
+CONSISTENT = 3.0
+"""Deviations of the gyro from the equations of motion."""
+
+
+def compared(
+    x: Estimate,
+    R_NB: Array | None,
+    sun_B: Array | None,
+    b_B: Array | None,
+    sun_N: Array,
+    field_N: Array,
+    variance: float,
+    p: Parameters,
+) -> Estimate:
+    """With the averages of what the sensors say of each other, whatever the attitude, in deviations."""
+    deviation, sun = math.sqrt(variance), p.sun_noise * norm(field_N)
+    trusted = x.watch[SUN].trusted
+    if b_B is not None:
+        b = b_B - x.field_bias
+        angle = 0.0
+        if sun_B is not None:
+            angle = float(b @ sun_B - field_N @ sun_N) / math.sqrt(variance + sun * sun)
+        off = np.array(((norm(b) - norm(field_N)) / deviation, angle, 0.0))
+        alone = averaged(x.field_alone, off, x.watch[FIELD].since)
+        small = (norm(alone) if trusted else abs(float(alone[0]))) < BACKED
+        x = replace(x, field_alone=alone, field_calm=x.field_calm + x.watch[FIELD].since if small else 0.0)
+        if R_NB is not None and x.watch[FIELD].trusted:
+            off = (b - R_NB.T @ field_N) / deviation
+            x = replace(x, field_by_tracker=averaged(x.field_by_tracker, off, x.watch[FIELD].since))
+    if R_NB is not None and sun_B is not None and trusted:
+        off = (sun_B - R_NB.T @ sun_N) / p.sun_noise
+        x = replace(x, sun_by_tracker=averaged(x.sun_by_tracker, off, x.watch[SUN].since))
+    return x
+
+
+def backed(x: Estimate, sensor: int) -> bool:
+    """Whether other sensors agree with one, whatever the filter says. None does with the Sun sensors."""
+    if sensor == FIELD:
+        return x.field_calm >= CALM
+    return sensor == ATTITUDE and max(norm(x.field_by_tracker), norm(x.sun_by_tracker)) < BACKED
+
+
+def restarted(x: Estimate) -> Estimate:
+    """The filter starts again: the last resort. Where it has done so just before, its gyro is wrong."""
+    watch = list(x.watch)
+    again = x.by_gyro and x.restarted and x.since_start < RESTARTED
+    watch[RATE] = replace(watch[RATE], suspect=watch[RATE].suspect or again, calm=0.0)
+    for i in (FIELD, SUN, ATTITUDE):
+        watch[i] = replace(watch[i], mean=np.zeros(3), suspect=watch[i].suspect and not backed(x, i))
+    return replace(x, tracking=False, restarted=True, watch=tuple(watch))
+
+
+def gyro_weighed(x: Estimate, measured: Array, p: Parameters) -> Estimate:
+    """With the gyro against the equations of motion by which the filter goes without it."""
+    spread = np.sqrt(np.diag(x.P)[3:6] + p.rate_bias_sigma * p.rate_bias_sigma)
+    off = (measured - x.rate) / spread
+    return x.watched(RATE, weighed(x.watch[RATE], off, norm(off) < CONSISTENT)[0])
+
+
+def rate_chosen(x: Estimate, p: Parameters) -> Estimate:
+    """Goes on by the equations of motion where the gyro is not to be trusted, and by the gyro where it is again."""
+    by_gyro = x.watch[RATE].trusted
+    if p.rate_source != "gyro" or by_gyro == x.by_gyro:
+        return x
+    P = x.P.copy()
+    if by_gyro:
+        P[3:6] = 0.0
+        P[:, 3:6] = 0.0
+        P[3:6, 3:6] = p.rate_bias_sigma * p.rate_bias_sigma * np.eye(3)
+        return replace(x, P=P, by_gyro=True)
+    omega = norm(x.omega_B)
+    frozen = x.watch[RATE].health == health.FROZEN
+    rate = RATE_LOST + omega * omega * STALE if frozen else 10.0 * RATE_LOST + p.rate_bias_sigma
+    P[3:6] *= -1.0  # the rate's error is minus that of the bias
+    P[:, 3:6] *= -1.0
+    P[:3, :3] += 0.25 * rate * rate * STALE * STALE * np.eye(3)
+    P[3:6, 3:6] += rate * rate * np.eye(3)
+    return replace(x, P=P, by_gyro=False)
+
+
+def unknown_torque(x: Estimate, p: Parameters) -> float:
+    """Random walk of the momentum, N m s for 1 s, beside the parameter's, of a tumble without the gyro: the inertia is
+    not exact."""
+    if p.rate_source != "gyro":
+        return 0.0
+    return INERTIA_OFF * norm(cross(x.omega_B, p.J_B @ x.omega_B))
+
+
+def start_rate_sigma(x: Estimate, p: Parameters) -> float:
+    """rad/s, of the rate's or bias's error at a start."""
+    return RATE_UNKNOWN if p.rate_source == "gyro" and not x.by_gyro else p.rate_bias_sigma

@@ -1,0 +1,73 @@
+/* Tests: tests/native/test_flavours.py; docs/how/health.md derives each threshold. */
+#include "health.h"
+
+enum { FEW = 3, REPEATS = 20 };      /* measurements that repeat the last one, for each that did so before in turn */
+static const double AVERAGED = 60.0; /* s over which innovations are averaged */
+static const double LIMIT = 5.0;     /* of an innovation over its deviation, in the average */
+static const double WRONG = 1.5;     /* length of the average from which on a sensor is wrong */
+static const double RIGHT = 0.75;    /* and below which it is right again */
+
+void estimator_notice(const double v[3], bool every, Watch *w)
+{
+    int still = 0, moved = 0;
+    for (int i = 0; i < 3; ++i) {
+        if (w->seen && v[i] == w->last[i]) {
+            w->run[i] += w->run[i] < INT32_MAX ? 1 : 0;
+        } else {
+            w->longest[i] = !w->frozen && w->run[i] > w->longest[i] ? w->run[i] : w->longest[i];
+            w->run[i] = 0;
+            ++moved;
+        }
+        still += w->run[i] / REPEATS > w->longest[i] ? 1 : 0;
+        w->last[i] = v[i];
+    }
+    w->seen = true;
+    const bool stands = still >= (every ? 3 : 1), changed = moved >= (every ? 1 : 3);
+    w->changes += changed && w->changes < REPEATS ? 1 : 0;
+    if (w->changes == REPEATS && stands != w->frozen) {
+        w->frozen = stands;
+        w->changes = stands ? 0 : REPEATS;
+        w->mean[0] = w->mean[1] = w->mean[2] = 0.0;
+    }
+}
+
+void estimator_average(const double value[3], double since, double mean[3])
+{
+    const double share = (since < 1.0 ? since : 1.0) / AVERAGED;
+    for (int i = 0; i < 3; ++i) {
+        const double bounded = value[i] > LIMIT ? LIMIT : value[i] < -LIMIT ? -LIMIT : value[i];
+        mean[i] += share * (bounded - mean[i]);
+    }
+}
+
+bool estimator_weigh(const double scaled[3], double since, bool within_gate, Watch *w)
+{
+    estimator_average(scaled, since, w->mean);
+    const double size = norm(vector(w->mean));
+    w->calm = within_gate && size < RIGHT ? w->calm + since : 0.0;
+    if (w->suspect && w->calm > ESTIMATOR_CALM) {
+        w->suspect = false;
+    }
+    return size > WRONG;
+}
+
+bool estimator_repeats(const Watch *w)
+{
+    return w->run[0] >= FEW || w->run[1] >= FEW || w->run[2] >= FEW;
+}
+
+bool estimator_trusted(const Watch *w)
+{
+    return !w->frozen && !w->suspect;
+}
+
+int32_t estimator_health(const Watch *w)
+{
+    if (w->frozen) {
+        return HEALTH_FROZEN;
+    }
+    if (w->suspect) {
+        return HEALTH_INCONSISTENT;
+    }
+    return w->seen ? HEALTH_GOOD : HEALTH_NONE;
+}

@@ -1,0 +1,111 @@
+/* Which of the parts that disagree is wrong: a sensor, the filter, or its gyro. docs/how/health.md derives the limits.
+ * Tests: tests/native/test_flavours.py. */
+#include <string.h>
+
+#include "state.h"
+
+static const double BACKED = 0.5;      /* averages of sensors against each other that agree */
+static const double RESTARTED = 600.0; /* s; who starts again within it has a wrong gyro */
+static const double RATE_LOST = 1e-3;  /* rad/s; a rate's change over what the gyro takes to be frozen */
+static const double STALE = 10.0;      /* s; that time */
+
+const int estimator_sensor_of[GATED] = {SENSOR_FIELD, SENSOR_SUN, SENSOR_ATTITUDE};
+
+static bool is_small(const double mean[3])
+{
+    return norm(vector(mean)) < BACKED;
+}
+
+bool estimator_is_backed(int gated, const Estimate *x)
+{
+    if (gated == GATED_FIELD) {
+        return x->field_calm >= ESTIMATOR_CALM;
+    }
+    return gated == GATED_TRACKER && is_small(x->field_by_tracker) && is_small(x->sun_by_tracker);
+}
+
+void estimator_restart(Estimate *x)
+{
+    Watch *gyro = &x->watch[SENSOR_RATE];
+    x->tracking = false;
+    gyro->suspect = gyro->suspect || (x->by_gyro && x->restarted && x->since_start < RESTARTED);
+    gyro->calm = 0.0;
+    x->restarted = true;
+    for (int i = 0; i < GATED; ++i) {
+        Watch *w = &x->watch[estimator_sensor_of[i]];
+        memset(w->mean, 0, sizeof w->mean);
+        w->suspect = w->suspect && !estimator_is_backed(i, x);
+    }
+}
+
+void estimator_compare(const EstimatorLaw *law, const Directions *seen, Estimate *x)
+{
+    const double since = x->watch[SENSOR_FIELD].since, deviation = sqrt(seen->field_variance);
+    const double sun = law->p.sun_noise * norm(seen->field_N);
+    const Vector b = subtract(seen->b_B, x->field_bias);
+    double off[3] = {0.0, 0.0, 0.0};
+    if (seen->has_field) {
+        off[0] = (norm(b) - norm(seen->field_N)) / deviation;
+        if (seen->has_sun) {
+            off[1] = (dot(b, seen->sun_B) - dot(seen->field_N, seen->sun_N)) / sqrt(deviation * deviation + sun * sun);
+        }
+        estimator_average(off, since, x->field_alone);
+        const double strength[3] = {x->field_alone[0], 0.0, 0.0};
+        const bool small = is_small(estimator_trusted(&x->watch[SENSOR_SUN]) ? x->field_alone : strength);
+        x->field_calm = small ? x->field_calm + since : 0.0;
+    }
+    if (seen->has_tracker && seen->has_field && estimator_trusted(&x->watch[SENSOR_FIELD])) {
+        store(scale(1.0 / deviation, subtract(b, apply_transposed(seen->R_NB, seen->field_N))), off);
+        estimator_average(off, since, x->field_by_tracker);
+    }
+    if (seen->has_tracker && seen->has_sun && estimator_trusted(&x->watch[SENSOR_SUN])) {
+        store(scale(1.0 / law->p.sun_noise, subtract(seen->sun_B, apply_transposed(seen->R_NB, seen->sun_N))), off);
+        estimator_average(off, x->watch[SENSOR_SUN].since, x->sun_by_tracker);
+    }
+}
+
+void estimator_weigh_gyro(const EstimatorLaw *law, Vector measured, Estimate *x)
+{
+    const double spread = law->p.rate_bias_sigma;
+    double off[3];
+    store(subtract(measured, x->rate), off);
+    for (int i = 0; i < 3; ++i) {
+        off[i] /= sqrt(x->P.m[ERROR_RATE + i][ERROR_RATE + i] + spread * spread);
+    }
+    (void)estimator_weigh(off, x->watch[SENSOR_RATE].since, norm(vector(off)) < 3.0, &x->watch[SENSOR_RATE]);
+}
+
+void estimator_choose_rate(const EstimatorLaw *law, Estimate *x)
+{
+    if (law->p.rate_source != ESTIMATOR_RATE_SOURCE_GYRO) {
+        return;
+    }
+    const Watch *w = &x->watch[SENSOR_RATE];
+    const bool by_gyro = estimator_trusted(w);
+    if (x->by_gyro && !by_gyro) {
+        /* The rate's error is minus that of the bias; what it has become since the gyro froze is not known. */
+        const double omega = norm(subtract(x->rate, x->rate_bias));
+        const double rate = w->frozen ? RATE_LOST + omega * omega * STALE : 10.0 * RATE_LOST + law->p.rate_bias_sigma;
+        for (int i = 0; i < ERROR_STATES; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                x->P.m[ERROR_RATE + j][i] *= -1.0;
+                x->P.m[i][ERROR_RATE + j] *= -1.0;
+            }
+        }
+        for (int j = 0; j < 3; ++j) {
+            x->P.m[ERROR_ATTITUDE + j][ERROR_ATTITUDE + j] += 0.25 * rate * rate * STALE * STALE;
+            x->P.m[ERROR_RATE + j][ERROR_RATE + j] += rate * rate;
+        }
+    } else if (!x->by_gyro && by_gyro) {
+        const double spread = law->p.rate_bias_sigma;
+        for (int i = 0; i < ERROR_STATES; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                x->P.m[ERROR_RATE + j][i] = x->P.m[i][ERROR_RATE + j] = 0.0;
+            }
+        }
+        for (int j = 0; j < 3; ++j) {
+            x->P.m[ERROR_RATE + j][ERROR_RATE + j] = spread * spread;
+        }
+    }
+    x->by_gyro = by_gyro;
+}

@@ -1,0 +1,178 @@
+"""Sensors that fail behind a tumbling or held satellite, against the truth; both flavours fly each failure.
+
+Shows ES-4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import estimator
+from estimator import onboard
+from estimator.health import BLANK, FROZEN, GOOD, INCONSISTENT, noticed
+from plant.orbit import from_position_velocity
+from tests.blocks import inputs, parameters
+from tests.native.agreement import assert_same
+from tests.native.driver import Instance
+
+MU = 3.986004418e14
+R_N, V_N = np.array((6971000.0, 0.0, 0.0)), np.array((0.0, -1052.3891, 7488.1109))
+LIT = "2009-02-10T00:00:00Z"
+"""At this date the Sun is seen from R_N, and for ten minutes more."""
+STEP, AT, END = 0.5, 100, 400
+"""s; the step at which a sensor fails, and that of the end."""
+RATE = np.array((2e-3, -1e-3, 1.5e-3))
+"""rad/s, of the body, constant."""
+BIAS = np.array((1e-5, -2e-5, 1e-5))
+SIGMA = {"rate": 6e-5, "field": 1e-7, "sun": 0.01, "tracker": 5e-5}
+
+
+def sensors() -> Any:
+    return parameters(
+        "estimator",
+        epoch=LIT,
+        angle_random_walk=4.4e-5,
+        rate_random_walk=1e-8,
+        rate_bias_sigma=1e-4,
+        field_noise=3e-7,
+        field_bias_sigma=1e-7,
+        sun_noise=0.02,
+    )
+
+
+@cache
+def measured(tracker: bool) -> list[Any]:
+    """What sound sensors measure over the flight, of a body that turns at RATE."""
+    p, rng, flown = sensors(), np.random.default_rng(5), []
+    orbit = from_position_velocity(R_N, V_N, MU)
+    R0 = Rotation.random(random_state=3)
+    for k in range(END):
+        t = k * STEP
+        r, v = orbit.position_velocity(t)
+        R = (R0 * Rotation.from_rotvec(RATE * t)).as_matrix()
+        noise = {name: sigma * rng.normal(size=3) for name, sigma in SIGMA.items()}
+        seen = R @ Rotation.from_rotvec(noise["tracker"]).as_matrix()
+        u = inputs(
+            "estimator",
+            omega_B_measured=RATE + BIAS + noise["rate"],
+            b_B_measured=R.T @ p.field.at(t, r) + noise["field"],
+            sun_B_measured=R.T @ onboard.sun_direction(p.days + t / 86400.0) + noise["sun"],
+            r_N_measured=r + rng.normal(size=3),
+            v_N_measured=v + 0.01 * rng.normal(size=3),
+        )
+        flown.append((R, r, replace(u, R_NB_measured=seen) if tracker else u))
+    return flown
+
+
+def failed(u: Any, name: str, first: Any, change: Any) -> Any:
+    return replace(u, **{name: getattr(first, name) if change is None else getattr(u, name) + change})
+
+
+FAILURES = {
+    "gyro frozen": (0, "omega_B_measured", None, FROZEN, 2.0),
+    "an axis of the gyro dead": (0, "omega_B_measured", "axis", FROZEN, 2.0),
+    "gyro with a bias of 0.3 deg/s": (0, "omega_B_measured", np.full(3, 5e-3), INCONSISTENT, 8.0),
+    "magnetometer frozen": (1, "b_B_measured", None, FROZEN, 2.0),
+    "magnetometer with a bias of 20 uT": (1, "b_B_measured", np.full(3, 2e-5), INCONSISTENT, 1.0),
+    "GNSS frozen, its number counting": (2, "r_N_measured", None, FROZEN, 1.0),
+    "GNSS 50 km off": (2, "r_N_measured", np.array((5e4, 0.0, 0.0)), GOOD, 1.5),
+    "star tracker frozen": (3, "R_NB_measured", None, FROZEN, 0.1),
+    "Sun sensors frozen": (4, "sun_B_measured", None, FROZEN, 1.0),
+    "Sun sensors 10 deg off": (4, "sun_B_measured", np.array((0.1, -0.15, 0.1)), INCONSISTENT, 2.0),
+}
+
+
+def flight(case: str, until: int = END) -> list[Any]:
+    _, name, change, _, _ = FAILURES[case]
+    flown, out = measured(name == "R_NB_measured"), []
+    for k, (_, _, u) in enumerate(flown):
+        if AT <= k < until:
+            first = flown[AT][2]
+            if isinstance(change, str):
+                axis = np.array((1.0, 0.0, 1.0))
+                u = replace(u, omega_B_measured=axis * u.omega_B_measured)
+            else:
+                u = failed(u, name, first, change)
+        out.append(u)
+    return out
+
+
+@cache
+def estimated(case: str, until: int = END) -> list[Any]:
+    return estimates(flight(case, until))
+
+
+def estimates(us: list[Any]) -> list[Any]:
+    p = sensors()
+    x = estimator.start(p, us[0])
+    ys = []
+    for u in us[1:]:
+        x, y = estimator.step(x, u, p, STEP)
+        ys.append(y)
+    return ys
+
+
+def angle(y: Any, R: np.ndarray) -> float:
+    return float(np.degrees(Rotation.from_matrix(y.R_NB.T @ R).magnitude()))
+
+
+@pytest.mark.parametrize("case", FAILURES)
+def test_a_sensor_that_fails_is_named_and_left_out_and_the_attitude_stays(case: str) -> None:
+    sensor, name, _, health, most = FAILURES[case]
+    ys, truth = estimated(case), measured(name == "R_NB_measured")
+    assert ys[AT - 2].health[sensor] == GOOD
+    assert ys[-1].health[sensor] == health
+    others = [i for i in range(5) if i != sensor and (i != 3 or name == "R_NB_measured")]
+    assert all(ys[-1].health[i] == GOOD for i in others)
+    assert max(angle(y, R) for y, (R, _, _) in zip(ys[AT:], truth[AT + 1 :], strict=True)) < most
+    if sensor == 2:
+        assert np.linalg.norm(ys[-1].r_N - truth[-1][1]) < 6e4
+
+
+@pytest.mark.parametrize("case", ["gyro frozen", "magnetometer frozen", "GNSS frozen, its number counting"])
+def test_a_sensor_that_works_again_is_used_again_at_its_twentieth_measurement(case: str) -> None:
+    sensor, name, _, _, _ = FAILURES[case]
+    ys = estimated(case, 300)
+    assert ys[298].health[sensor] == FROZEN
+    assert ys[299 + 21].health[sensor] == GOOD
+    assert angle(ys[-1], measured(name == "R_NB_measured")[-1][0]) < 0.5
+
+
+@pytest.mark.parametrize("tracker", [False, True])
+def test_sound_sensors_are_good_to_the_end(tracker: bool) -> None:
+    ys = estimates([u for _, _, u in measured(tracker)])
+    assert all(y.health.tolist() == [1, 1, 1, int(tracker), 1] for y in ys)
+
+
+@pytest.mark.parametrize(
+    "case", ["gyro frozen", "gyro with a bias of 0.3 deg/s", "GNSS 50 km off", "star tracker frozen"]
+)
+def test_both_flavours_fly_a_failure_alike(case: str) -> None:
+    us, p = flight(case), sensors()
+    ys = estimated(case)
+    with Instance("estimator") as native:
+        native.set_all(p)
+        native.set_all(us[0])
+        native.initialize()
+        for k, (u, y) in enumerate(zip(us[1:], ys, strict=True)):
+            native.set_all(u)
+            native.step(k * STEP, STEP)
+            if k % 20 == 0 or k > len(ys) - 3:
+                assert_same(native.outputs(), y, "estimator")
+
+
+def test_a_coarse_quantum_is_no_failure() -> None:
+    """Noise of half a quantum: an axis repeats in a third of all measurements."""
+    rng, w = np.random.default_rng(1), BLANK
+    for _ in range(20000):
+        w = noticed(w, np.round(0.5 * rng.normal(size=3)), every=False)
+        assert not w.frozen
+    for _ in range(20 * (int(w.longest.max()) + 1) + 1):
+        w = noticed(w, np.zeros(3), every=False)
+    assert w.frozen
