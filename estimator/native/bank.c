@@ -153,8 +153,8 @@ double estimator_bank_correct(const Innovation *innovation, double gate, BankFil
     S.c.z += innovation->r.z;
     const double unit = innovation->r.x, ratio = dot(S.a, cross(S.b, S.c)) / (unit * unit * unit);
     Covariance corrected = filter->P;
-    double error[ERROR_STATES];
-    const double nis = estimator_correct(innovation, &corrected, error);
+    double error[ERROR_STATES], scaled[3];
+    const double nis = estimator_correct(innovation, &corrected, error, scaled);
     filter->score -= 0.5 * (smaller(nis, gate) + log(ratio));
     if (nis <= gate) {
         filter->P = corrected;
