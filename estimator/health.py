@@ -60,7 +60,7 @@ class Watch:
     @property
     def repeats(self) -> bool:
         """Whether it repeats itself, but not yet for long: what it says is not weighed meanwhile."""
-        return bool((self.run >= FEW).any())
+        return self.changes == REPEATS and bool((self.run >= FEW).any())
 
     @property
     def health(self) -> int:

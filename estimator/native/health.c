@@ -53,7 +53,7 @@ bool estimator_weigh(const double scaled[3], double since, bool within_gate, Wat
 
 bool estimator_repeats(const Watch *w)
 {
-    return w->run[0] >= FEW || w->run[1] >= FEW || w->run[2] >= FEW;
+    return w->changes == REPEATS && (w->run[0] >= FEW || w->run[1] >= FEW || w->run[2] >= FEW);
 }
 
 bool estimator_trusted(const Watch *w)
