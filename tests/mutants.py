@@ -66,7 +66,7 @@ def main(modules: tuple[str, ...], processes: int) -> None:
 
 def _mutate(module: str, folder: Path, processes: int) -> int:
     """Prints the score of a module; returns the number of changes that no test saw."""
-    _copy(folder)
+    copy(folder)
     others = sorted({path.name for path in folder.iterdir()} - set(_PACKAGES) - {"pyproject.toml"})
     settings = _SETTINGS.format(packages=list(_PACKAGES), module=module, tests=list(TESTS[module]), others=others)
     with (folder / "pyproject.toml").open("a", encoding="utf-8") as file:
@@ -84,7 +84,7 @@ def _mutate(module: str, folder: Path, processes: int) -> int:
     return len(lost)
 
 
-def _copy(folder: Path) -> None:
+def copy(folder: Path) -> None:
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     for name in filter(None, listed.split("\0")):

@@ -1,0 +1,137 @@
+"""Mutants of an area, drawn by a seed: `python -m tests.areas AREA --count 15 --seed 1`.
+
+Changes one token of the area's code at a time, in Python and C, and prints the changes that none of its tests sees.
+Exit status 1 where there are any. `python -m tests.mutants` makes all changes of some modules by mutmut, but none of C.
+Works in a copy of the tree. A change that no compiler takes, and a test that does not end, count as seen.
+Tests: tests/test_areas.py.
+"""
+
+from __future__ import annotations
+
+import io
+import random
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tokenize
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+
+from .mutants import ROOT, copy
+
+_C = "tests/native/test_flavours.py", "tests/native/test_thresholds.py", "tests/native/test_history.py"
+AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "acceptance": (("orchestration/acceptance/**/*.py",), ("tests/orchestration/acceptance",)),
+    "campaign": (("orchestration/campaign/**/*.py",), ("tests/orchestration/campaign",)),
+    "link": (("fmus/link/**/*.py", "fmus/link/**/*.c"), ("tests/fmus/link",)),
+    "packaging": (("hatch_build.py", "release/*.py", "fmus/fingerprint.py", "fmus/build.py"),
+                  ("tests/packaging/test_layout.py", "tests/release", "tests/fmus")),
+    "scenario": (("orchestration/scenario/*.py", "orchestration/system/*.py"),
+                 ("tests/orchestration/scenario", "tests/orchestration/system", "tests/plant/test_inputs.py",
+                  "tests/orchestration/test_wrong_input.py")),
+    "ssp": (("orchestration/ssp/*.py", "orchestration/export/*.py"),
+            ("tests/tools/test_ssp.py", "tests/tools/test_foreign_ssp.py")),
+    "allocator in C": (("allocator/**/native/*.c",), ("tests/allocator", *_C)),
+    "controller in C": (("controller/native/*.c",), ("tests/controller", *_C)),
+    "estimator in C": (("estimator/native/*.c",), ("tests/estimator", *_C)),
+    "planner in C": (("controller/planned/native/**/*.c",),
+                     ("tests/controller/planned", "tests/native/test_planned.py")),
+    "sensors in C": (("plant/sensors/native/*.c",), ("tests/plant/sensors", *_C)),
+    "supervisor in C": (("supervisor/native/*.c",), ("tests/supervisor", *_C)),
+}  # fmt: skip
+"""By area: its code, and the tests that it is held against."""
+_PAIRS = (
+    *("< <=", "> >=", "== !=", "+ -", "* /", "+= -=", "&& ||", "and or"),
+    *("True False", "true false", "min max", "break continue"),
+)
+_SWAPS = {a: b for pair in _PAIRS for x, y in [pair.split()] for a, b in ((x, y), (y, x))}
+_SWAPS |= {"0": "1", "1": "2", "0.0": "1.0", "1.0": "2.0", "not": "", "is": "is not", "in": "not in"}
+_C_TOKEN = re.compile(
+    r"/\*.*?\*/|//[^\n]*|\"(?:\\.|[^\"\\])*\"|'(?:\\.|[^'\\])*'|^[ \t]*#(?:\\\n|[^\n])*"
+    r"|(?<= )(?:&&|\|\||[<>=!+-]=|[<>+*/-])(?= )|\b(?:true|false|break|continue|0\.0|1\.0|[01])(?![\w.])",
+    re.DOTALL | re.MULTILINE,
+)
+
+
+def changes(path: Path) -> Iterator[tuple[int, int, str]]:
+    """Yields begin, end and other text of each token that can be changed."""
+    text = path.read_text("utf-8")
+    if path.suffix == ".c":
+        for match in _C_TOKEN.finditer(text):
+            if (other := _SWAPS.get(match[0])) is not None:
+                yield match.start(), match.end(), other
+        return
+    starts = [0]
+    for line in text.splitlines(keepends=True):
+        starts.append(starts[-1] + len(line))
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        begin, end = starts[token.start[0] - 1] + token.start[1], starts[token.end[0] - 1] + token.end[1]
+        if token.type in (tokenize.OP, tokenize.NAME, tokenize.NUMBER) and token.line[:1].isspace():
+            other = _SWAPS.get(token.string)
+            if other is not None and _compiles(text[:begin] + other + text[end:]):
+                yield begin, end, other
+
+
+def _compiles(text: str) -> bool:
+    try:
+        with warnings.catch_warnings(action="ignore"):
+            compile(text, "mutant", "exec")
+    except SyntaxError:
+        return False
+    return True
+
+
+@click.command()
+@click.argument("area", type=click.Choice(list(AREAS)))
+@click.option("--count", default=15, show_default=True, help="How many changes.")
+@click.option("--seed", default=1, show_default=True, help="Draws them.")
+def main(area: str, count: int, seed: int) -> None:
+    """Count what the tests of AREA see of changes to its code."""
+    with tempfile.TemporaryDirectory() as folder:
+        sys.exit(1 if _unseen(area, count, random.Random(seed), Path(folder)) else 0)
+
+
+def _unseen(area: str, count: int, draw: random.Random, folder: Path) -> int:
+    copy(folder)
+    if (ROOT / "out" / "fmus").is_dir():
+        shutil.copytree(ROOT / "out" / "fmus", folder / "out" / "fmus")
+    sources, tests = AREAS[area]
+    files = [path for pattern in sources for path in sorted(folder.glob(pattern)) if path.stem != "__init__"]
+    if not _pass(folder, tests):
+        raise click.ClickException(f"the tests of {area} fail without a change")
+    unseen = 0
+    files = [path for path in files if any(changes(path))]
+    for number in range(1, count + 1):
+        path = draw.choices(files, [path.stat().st_size for path in files])[0]
+        possible = list(changes(path))
+        begin, end, other = draw.choice(possible)
+        text = path.read_text("utf-8")
+        path.write_text(text[:begin] + other + text[end:], "utf-8")
+        seen = not _pass(folder, tests)
+        path.write_text(text, "utf-8")
+        unseen += not seen
+        line = text.count("\n", 0, begin)
+        place = f"{path.relative_to(folder)}:{line + 1}: {text[begin:end]!r} -> {other!r}"
+        print(f"{number} {'seen' if seen else 'NOT SEEN'} {place}: {text.splitlines()[line].strip()}", flush=True)
+    print(f"{area}: {count - unseen} of {count} changes seen")
+    return unseen
+
+
+def _pass(folder: Path, tests: tuple[str, ...]) -> bool:
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:randomly"]
+    try:
+        ran = subprocess.run(
+            [*command, "-m", "not thorough", *tests], cwd=folder, capture_output=True, timeout=1800, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return False
+    return ran.returncode == 0
+
+
+if __name__ == "__main__":
+    main(prog_name="python -m tests.areas")
