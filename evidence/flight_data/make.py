@@ -221,7 +221,6 @@ def fields(done: Study) -> dict[str, Any]:
         for e in s.edges
     ]
     free = done.free
-    motion = [] if free is None else [_motion(row) for row in free.rows]
     told = of_spins(done.spins)
     parts = [(s.flight.name, both) for s in done.shown if (both := air_and_rest(s.edges)) is not None]
     through = [
@@ -239,7 +238,6 @@ def fields(done: Study) -> dict[str, Any]:
         "shadow": shadow,
         "halves": [_row(s) for s in done.halves],
         "third": "" if done.third is None else _of_motion(replace(done, free=done.third))[1],
-        "motion": motion,
         "motion_lines": _of_motion(done),
         "counts": counts,
         "flown": _of_flown(done),
@@ -271,10 +269,6 @@ def _row(s: Shown) -> list[str]:
         said(s.sky),
         said(s.pair),
     ]
-
-
-def _motion(row: dict[str, Any]) -> list[str]:
-    return [row["name"], *(f"{np.degrees(row[key]):.4f}" for key in ("fitted", "forecast", "left_out", "constant"))]
 
 
 def _gyro(shown: Sequence[Shown]) -> list[list[str]]:
