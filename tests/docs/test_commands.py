@@ -13,6 +13,7 @@ import pytest
 from evidence.__main__ import main as studies
 from fmus.build import BLOCKS, ensure
 from orchestration.cli.main import main
+from orchestration.cli.new import others
 
 from .commands import PAGES, ROOT, commands, run, workspace
 
@@ -92,6 +93,8 @@ def test_a_command_named_in_a_sentence_exists(page: str) -> None:
                 words = words[1:]
                 known = known.get_command(context, words[0])
             assert known
+            if words[0] == "new" and words[1:] and words[1] in others():
+                known = others()[words[1]].load()
             assert options(words) <= options_of(known), command
 
 
