@@ -1,6 +1,7 @@
 """Whether a satellite's values fit each other, before anything is flown.
 
 A finding has a number, the bound and what to change. Nothing is refused: what is unusual may be meant.
+Longer than 250 lines: each comparison with its words.
 Tests: tests/design/test_plausible.py.
 """
 
