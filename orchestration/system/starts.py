@@ -32,10 +32,20 @@ def resolve(
     """
     starts: dict[str, list[Start]] = dict(known or {})
     errors = _untaken(scenario, models) if known is None else []
+    beaten, reached = dict[Key, str](), set[Key]()
     for block in [name for name in models if name not in starts]:
         given = _Given(scenario, block, models[block])
         starts[block] = [Start(element, value) for element, value in given.values().items()]
         errors += given.errors
+        shared, own = given.layers
+        for element, key in shared.keys.items():
+            if element in own.values:
+                beaten.setdefault(key, block)
+            else:
+                reached.add(key)
+    for key in [key for key in beaten if known is None and key in scenario.source.options and key not in reached]:
+        text = f"reaches no block, since {beaten[key]} has a value of its own"
+        errors.append(scenario.error(key, text, remedy=f"--set {beaten[key]}.{key[-1]}=..."))
     if errors:
         raise InputError(*dict.fromkeys(errors))
     return starts

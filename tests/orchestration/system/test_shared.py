@@ -253,3 +253,14 @@ def test_an_option_beats_the_file_whichever_of_two_names_of_a_value_the_file_has
     starts = open_scenario(load(loop, {in_option: values[in_option]})).plan.starts["plant"]
     (radius,) = (s.value for s in starts if s.element.variable == "orbit_radius")
     assert radius == {"altitude": 6978137.0, "orbit_radius": 7.5e6}[in_option]
+
+
+@pytest.mark.parametrize("own", ["orbit_radius", "altitude"])
+def test_an_option_that_no_block_takes_since_it_has_its_own_value_is_refused(own):
+    start = {"dipole_cmd": [0, 0, 0], "wheel_torque_cmd": 0, own: "7000 km"}
+    loop = {"name": "l", "step": 1, "duration": 1, "blocks": {"plant": {"fmu": "plant", "start": start}}}
+    message = "altitude=600 km: reaches no block, since plant has a value of its own; remedy: --set plant.altitude=..."
+    with pytest.raises(InputError, match=message):
+        open_scenario(load(loop, {"altitude": "600 km"}))
+    open_scenario(load(loop, {"plant.altitude": "600 km"}))
+    open_scenario(load({**loop, "shared": {"altitude": "600 km"}}))  # in a file it is a default
