@@ -34,7 +34,7 @@ def fields(kept: dict[str, Any]) -> dict[str, Any]:
     of = {name: [row for row in rows if row["case"] == name] for name in CASES}
     return {
         "places": [_row(row) for row in good],
-        "none": [_reason(row) for row in rows if row["refused"] and "log" not in row],
+        "reasons": [_reason(row) for row in rows if row["refused"] and "log" not in row],
         "multipliers": [_multipliers(row) for row in rows if "log" in row],
         "equilibria": [_equilibrium(one) for one in kept["equilibria"]],
         "all": len(PLACES),
