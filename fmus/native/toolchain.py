@@ -2,7 +2,8 @@
 
 The libraries need no other library: no C runtime, no libm. So they load beside any C runtime, on any glibc and on
 musl, and their bytes depend on the sources and zig's version only. Where ziglang cannot be had, the system's C
-compiler builds for the host. Tests: tests/native/test_build.py.
+compiler builds for the host. Longer than 250 lines: the table of platforms stands beside what compiles for them.
+Tests: tests/native/test_build.py.
 """
 
 from __future__ import annotations
