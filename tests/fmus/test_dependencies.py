@@ -192,22 +192,22 @@ def test_nothing_changes_an_output_initially_but_what_it_declares(case, tmp_path
 CAUTION = "the interface also stands in for another team's FMU that declares nothing, and whose law may use it"
 TOGETHER = "it changes where all elements go from zero to a rotation at once"
 BORDER = "it decides at the border of a field of view or of the threshold only whether there is a measurement"
-GATE = "it decides at the gate, or at a limit of the deviation only"
+GATE = "it decides at the gate, or at a limit of the deviation only; health, over many measurements"
 BEGIN = "only in the step in which the filter starts"
 UNSEEN = {
     "estimator": {
-        (output, element.name): GATE if output in ("rejected", "attitude_valid", "sunlight") else BEGIN
+        (output, element.name): GATE if output in ("rejected", "attitude_valid", "sunlight", "health") else BEGIN
         for output, inputs in {
-            "rejected": ("omega_B", "b_B", "r_N", "R_NB", "sun_B"),
-            "attitude_valid": ("omega_B", "b_B", "r_N", "R_NB", "sun_B"),
-            "sunlight": ("r_N",),
+            "rejected": ("omega_B", "b_B", "r_N", "v_N", "R_NB", "sun_B"),
+            "attitude_valid": ("omega_B", "b_B", "r_N", "v_N", "R_NB", "sun_B"),
+            "sunlight": ("r_N", "v_N"),
             "covariance": ("b_B",),
             "attitude_sigma_B": ("b_B",),
-            "nis": ("b_B", "r_N", "sun_B"),
+            "nis": ("b_B", "r_N", "v_N", "sun_B"),
+            "health": ("omega_B", "b_B", "r_N", "v_N", "R_NB", "sun_B"),
         }.items()
         for name in inputs
         for element in load("estimator").variables[f"{name}_measured"].elements
-        if (output, element.name) != ("sunlight", "r_N_measured[1]")
     }
     | {("covariance", f"R_NB_measured[{i}]"): BEGIN for i in ("1,3", "2,1")},
     **{
