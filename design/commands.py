@@ -180,7 +180,9 @@ def sizing(
 @click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value; may be repeated.")
 @click.pass_context
 def plausible(ctx: click.Context, scenario: Path, mass: str | None, sets: tuple[str, ...]) -> None:
-    """Compare a satellite's values with each other before anything is flown.
+    """Compare a satellite's values with each other.
+
+    Nothing is flown.
 
     Each finding has its number, the bound and what to change. None is an error: what is meant can be flown. Exit status
     1 where there is a finding.

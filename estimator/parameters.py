@@ -86,7 +86,7 @@ _POSITIVE = (
 ).split()
 _NOT_NEGATIVE = (
     "angle_random_walk rate_random_walk rate_bias_sigma rate_scale_sigma momentum_random_walk field_bias_sigma "
-    "field_random_walk rod_field_error dipole_limit valid_sigma orbit_time"
+    "field_random_walk rod_field_error dipole_limit valid_sigma orbit_time albedo"
 ).split()
 
 

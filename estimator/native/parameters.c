@@ -61,6 +61,7 @@ bool estimator_check(const EstimatorParameters *p, Fault *f)
         {"dipole_limit", p->dipole_limit},
         {"valid_sigma", p->valid_sigma},
         {"orbit_time", p->orbit_time},
+        {"albedo", p->albedo},
     };
     return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
            check_choices(p, f) && check_vectors(p, f) &&

@@ -68,7 +68,7 @@ def estimator_() -> tuple[Any, Any, Any]:
 
 @pytest.mark.parametrize("flavour", FLAVOURS)
 def test_only_rejections_in_a_row_end_the_filter_and_it_starts_again_as_often_as_it_is_lost(flavour, estimator_):
-    """49 wrong fields, a right one, and 49 wrong ones leave it; the 50th in a row ends it, the first time and later."""
+    """30 wrong fields and 30 right ones in turn leave it; 50 wrong ones in a row end it, the first time and later."""
     p, good, wrong = estimator_
     with flavour("estimator", p, good) as step:
         for _ in range(20):
@@ -76,10 +76,11 @@ def test_only_rejections_in_a_row_end_the_filter_and_it_starts_again_as_often_as
         rejected = 0
         for _ in range(2):
             for _ in range(3):
-                for _ in range(49):
+                for _ in range(30):
                     assert step(wrong)["attitude_valid"]
-                rejected += 49
-                y = step(good)
+                rejected += 30
+                for _ in range(30):
+                    y = step(good)
                 assert y["attitude_valid"]
                 assert y["rejected"].tolist() == [rejected, 0, 0]
             for _ in range(50):

@@ -54,7 +54,7 @@ def test_a_full_disk_is_told_of_the_place_that_was_to_be_written(arguments, mess
 def test_a_kit_on_a_full_disk_leaves_nothing_and_is_told_of_its_folder(folder, tmp_path, monkeypatch):
     (tmp_path / "empty").mkdir()
 
-    def half(_interface: object, folder: Path, _language: str) -> None:
+    def half(_interface: object, folder: Path, *_: object) -> None:
         (folder / "Makefile").write_text("all:")
         full(folder)
 

@@ -60,7 +60,7 @@ def test_connections_to_a_record_are_left_out_with_a_note(scenario):
 
 def test_an_entry_is_an_fmu_or_a_record(scenario):
     scenario["blocks"]["log"]["fmu"] = "plant"
-    with pytest.raises(InputError, match="expected either 'fmu' or 'telemetry', found both"):
+    with pytest.raises(InputError, match="expected 'telemetry' alone, found 'fmu', too"):
         run(scenario)
 
 
