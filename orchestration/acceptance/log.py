@@ -24,6 +24,9 @@ from ..swap.findings import Finding, Fit
 from ..telemetry.record import Record
 from .vector import compared
 
+STEPS_MAX = 5_000_000
+"""Of the FMU; all of them are in memory."""
+
 
 class Log(Model):
     """A file that says what a recorded log holds."""
@@ -52,6 +55,10 @@ def against_log(fmu: Path, fitted: Fit, interface: str, path: Path, tolerance: f
     count = int(table[-1, 0] / step + 1e-6) + 1
     if step <= 0.0 or count < 2:
         raise InputError(source.error(("telemetry", "file"), "expected rows at two instants or more, from t = 0 on"))
+    if count > STEPS_MAX:
+        text_ = f"expected at most {STEPS_MAX} steps to the last row, found {count} of {step:.6g} s"
+        remedy = f"'start' at the first row, {table[0, 0]:.10g} s from t = 0, or a longer step"
+        raise InputError(source.error(("telemetry", "file"), text_, remedy=remedy))
     place = np.rint(table[:, 0] / step).astype(int)
     table, place = table[(place >= 0) & (place < count)], place[(place >= 0) & (place < count)]
     values: dict[str, Floats] = {}

@@ -27,7 +27,7 @@ class TimeColumn(Model):
     """In which scale it counts: UTC (with leap seconds, as Unix time has it), GPS, TAI, or `elapsed`, from the start
     of the run."""
     unit: UnitName = "s"
-    """The unit of a number; a text is a date and time in ISO 8601."""
+    """The unit of a number, where the header names none behind the column; a text is a date and time in ISO 8601."""
     epoch: Text | None = None
     """The instant of the number 0, in the same scale. Default: 1970-01-01 of UTC, 1980-01-06 of GPS."""
 
@@ -35,16 +35,16 @@ class TimeColumn(Model):
 class Column(Model):
     """A port, and the columns that it is made of."""
 
-    of: Annotated[list[Text], BeforeValidator(_listed, json_schema_input_type=str | list[str])]
+    of: Annotated[list[Text], Field(min_length=1), BeforeValidator(_listed, json_schema_input_type=str | list[str])]
     """One column, or those of a vector in their order."""
     unit: UnitName = "1"
-    """Their unit, which is the port's."""
+    """Their unit, which is the port's. A unit in the file's header, as in `x [rad/s]`, is converted to it."""
     gain: list[tuple[float, float]] = []
     """By which the columns are multiplied first: pairs of time, s, and factor, linear between and constant beyond."""
     offset: list[float] | list[list[float]] | None = None
     """Then taken off, in their unit; where it changes, rows of time, s, and offsets, linear between and constant
     beyond."""
-    matrix: list[list[float]] | None = None
+    matrix: Annotated[list[list[float]], Field(min_length=1)] | None = None
     """By which they are last multiplied: a row for each element of the port."""
     missing: list[float] = []
     """Numbers that mean that there is no value, beside an empty cell and NaN."""

@@ -7,6 +7,7 @@ Longer than 250 lines: times, values and their checks are read in one pass.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -75,27 +76,45 @@ class Record:
                     text = f"the unit {stated!r} of this column does not fit {column.unit!r} of {name}"
                     raise InputError(Problem(text, place=Place(self.shown, self.header.line, cell)))
             width = len(column.of)
-            offset = np.array(column.offset or [0.0] * width, dtype=object)
-            if offset.shape != (width,) and offset.shape[1:] != (width + 1,):
+            offset = column.offset
+            widths = {len(row) - 1 if isinstance(row, list) else len(offset) for row in offset} if offset else set()
+            if offset is not None and widths != {width}:
                 raise InputError(f"{name}: offset: expected {width} numbers, or rows of time and {width} numbers")
             if column.matrix is not None and any(len(row) != width for row in column.matrix):
                 raise InputError(f"{name}: matrix: expected rows of {width} numbers")
             for key in ("offset", "matrix", "gain"):
                 if not all(np.isfinite(row).all() for row in getattr(column, key) or ()):
                     raise InputError(f"{name}: {key}: expected finite numbers, found one that is not")
+            for key in ("offset", "gain"):
+                knots = [row[0] for row in getattr(column, key) or () if not isinstance(row, float)]
+                if knots != sorted(knots):
+                    raise InputError(f"{name}: {key}: expected rows in the order of their times")
         self.header.place(self.entry.time.column)
 
     def _time_unit(self) -> tuple[float, float]:
         time = self.entry.time
-        unit = parse_unit(time.unit)
+        unit, stated = parse_unit(time.unit), self.header.units.get(time.column, "")
         if not unit.fits(SECOND):
             raise InputError(f"time: the unit {time.unit!r} does not fit 's'")
+        if stated.upper() in DEFAULT_EPOCHS:
+            self._refuse_time(stated, f"is not the scale {time.scale!r}", stated.upper() != time.scale)
+        elif stated:
+            with suppress(QuantityError):  # some text, as of a format
+                unit = parse_unit(stated)
+            self._refuse_time(stated, "does not fit 's'", not unit.fits(SECOND))
+        if time.scale == "elapsed" and time.epoch is not None:
+            raise InputError("time: epoch: expected none with the scale 'elapsed', whose times count from 0")
         if time.scale == "elapsed":
             return unit.factor, 0.0
         try:
             return unit.factor, calendar_seconds(time.epoch or DEFAULT_EPOCHS[time.scale], time.scale)
         except TimeError as error:
             raise InputError(f"time: epoch: {error}") from None
+
+    def _refuse_time(self, stated: str, what: str, wrong: bool) -> None:
+        if wrong:
+            place = Place(self.shown, self.header.line, self.entry.time.column)
+            raise InputError(Problem(f"{stated!r} of this column {what}", place=place))
 
     def _start(self, times: Floats) -> float:
         start, scale = self.entry.start, self.entry.time.scale
@@ -185,6 +204,10 @@ class Record:
                 row, k = bad[0]
                 text = f"expected a value, since {name} is required, found {block.columns[at + k][row]!r}"
                 raise block.error(int(row), column.of[k], text)
+            for i, stated in enumerate(map(self.header.units.get, column.of)):
+                if stated is not None and stated != column.unit:
+                    factor, zero = parse_unit(stated).conversion(parse_unit(column.unit))
+                    raw[:, i] = raw[:, i] * factor + zero
             at += len(column.of)
             yield corrected(raw, column, times)
 

@@ -29,25 +29,31 @@ class Header:
     line: int
     places: dict[str, int]
     units: dict[str, str]
+    width: int
+    """How many columns there are."""
+    twice: frozenset[str]
+    """Names of several columns."""
 
     @classmethod
     def of(cls, file: str, line: int, cells: Sequence[str]) -> Header:
         places: dict[str, int] = {}
         units: dict[str, str] = {}
+        twice: set[str] = set()
         for i, cell in enumerate(cells):
             match = _UNIT.fullmatch(cell)
             name = match[1] if match else cell.strip()
-            places.setdefault(cell.strip(), i)
-            places.setdefault(name, i)
+            twice |= {text for text in (cell.strip(), name) if places.setdefault(text, i) != i}
             if match:
                 units[name] = units[cell.strip()] = match[2]
-        return cls(file, line, places, units)
+        return cls(file, line, places, units, len(cells), frozenset(twice))
 
     def place(self, name: str) -> int:
-        """Raises InputError where there is no such column."""
+        """Raises InputError where there is no such column, or more than one."""
         if name not in self.places:
             text = f"there is no column {name!r}{hint(name, self.places)}"
             raise InputError(Problem(text, place=Place(self.file, self.line)))
+        if name in self.twice:
+            raise InputError(Problem(f"several columns are called {name!r}", place=Place(self.file, self.line, name)))
         return self.places[name]
 
 
@@ -101,9 +107,16 @@ def _of_csv(path: Path, header: Header, places: list[int]) -> Iterator[Block]:
                     line, row = next((line, row) for line, row in some if len(row) <= max(places))
                     text = f"expected at least {max(places) + 1} cells, found {len(row)}"
                     raise InputError(Problem(text, place=Place(header.file, line))) from None
+                if longer := next((pair for pair in some if any(pair[1][header.width :])), None):
+                    _refuse_more(header, *longer)
                 yield Block(lines, list(zip(*cells, strict=True))[:-1], header.file)
         except (UnicodeDecodeError, csv.Error) as error:
             raise InputError(f"{header.file} is no CSV file in UTF-8: {error}") from None
+
+
+def _refuse_more(header: Header, line: int, row: list[str]) -> None:
+    text = f"expected at most {header.width} cells, as in the header, found {len(row)}"
+    raise InputError(Problem(text, place=Place(header.file, line)))
 
 
 def _of_parquet(path: Path, header: Header, places: list[int]) -> Iterator[Block]:

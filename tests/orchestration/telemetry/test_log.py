@@ -72,3 +72,14 @@ def test_an_input_of_the_log_without_a_sample_is_refused_at_its_line(log, tmp_pa
     _, fitted = check(fmu, "controller", tolerance=None)
     with pytest.raises(InputError, match=r"log.yaml:6: telemetry.columns.omega_B: .*expected a sample, found none"):
         against_log(fmu, fitted, "controller", tmp_path / "log.yaml", 1e-9)
+
+
+def test_a_log_that_begins_far_from_zero_is_refused_and_not_filled_up_from_there(log, tmp_path):
+    header, *rows = csv.reader((log.parent / "log.csv").open(newline=""))
+    with (tmp_path / "log.csv").open("w", newline="") as file:
+        csv.writer(file).writerows([header, *([str(float(row[0]) + 1.7e9), *row[1:]] for row in rows)])
+    (tmp_path / "log.yaml").write_text(log.read_text(), "utf-8")
+    fmu = ensure("controller")
+    _, fitted = check(fmu, "controller", tolerance=None)
+    with pytest.raises(InputError, match=r"log.yaml:2: .*at most 5000000 steps.*the first row, 1700000000 s"):
+        against_log(fmu, fitted, "controller", tmp_path / "log.yaml", 1e-9)

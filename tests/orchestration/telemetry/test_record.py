@@ -78,6 +78,11 @@ def test_rows_of_one_instant_in_two_blocks_are_one_sample(tmp_path, monkeypatch)
         ("t,x,y\n0,1,2\n0,1\n", {}, "log.csv:3: expected at least 3 cells, found 2"),
         ("t,x,y\n2020-01-01T00:00:00Z,1,2\n", {"scale": "GPS"}, "log.csv:2: t: expected a time in GPS, found"),
         ("t,x,y\n", {}, "log.csv:1: there are no rows"),
+        ("t,x,y\n0,1,2\n1,1,5,2\n", {}, "log.csv:3: expected at most 3 cells, as in the header, found 4"),
+        ("t,x,x,y\n0,1,2,3\n", {}, "log.csv:1: x: several columns are called 'x'"),
+        ("t [m],x,y\n0,1,2\n", {}, "log.csv:1: t: 'm' of this column does not fit 's'"),
+        ("t (GPS),x,y\n0,1,2\n", {"scale": "UTC"}, "log.csv:1: t: 'GPS' of this column is not the scale 'UTC'"),
+        ("t,x,y\n0,1,2\n", {"time": {"epoch": "2020-01-01"}}, "time: epoch: expected none with the scale 'elapsed'"),
     ],
 )
 def test_what_cannot_be_read_is_refused_at_its_line_and_column(tmp_path, text, more, message):
@@ -93,6 +98,25 @@ def test_a_correction_that_is_not_finite_is_refused_and_not_taken_for_missing_va
     columns = {"w": {**COLUMNS["w"], **wrong}}
     message = f"w: {next(iter(wrong))}: expected finite numbers"
     assert message in refused(tmp_path, "t,x,y\n0,1,2\n", columns=columns)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"offset": [[0, 1, 2], [5, 1]]}, "w: offset: expected 2 numbers, or rows of time and 2 numbers"),
+        ({"offset": []}, "w: offset: expected 2 numbers, or rows of time and 2 numbers"),
+        ({"offset": [[5, 1, 2], [0, 1, 2]]}, "w: offset: expected rows in the order of their times"),
+        ({"gain": [[5, 1], [0, 2]]}, "w: gain: expected rows in the order of their times"),
+    ],
+)
+def test_a_correction_of_another_shape_or_order_is_refused(tmp_path, wrong, message):
+    assert message in refused(tmp_path, "t,x,y\n0,1,2\n", columns={"w": {**COLUMNS["w"], **wrong}})
+
+
+def test_a_unit_in_the_header_is_converted_to_that_of_the_port_and_one_of_the_time_to_seconds(tmp_path):
+    text = "t [ms],x [rad/s],y\n500,3.141592653589793,2\n1500,-999,2\n"
+    columns = {"w": {**COLUMNS["w"], "missing": [-999]}}
+    np.testing.assert_allclose(read(tmp_path, text, columns=columns)[1], [[0.5, 180, 2], [1.5, np.nan, 2]], rtol=1e-14)
 
 
 def test_nan_is_refused_where_a_value_is_required(tmp_path):
