@@ -34,6 +34,7 @@ NOT_RUN = {
     "python -m plant.tables.density_fit": "writes the table plant/tables/density.csv; a test compares it with pymsis",
     "make prove": "takes an hour, needs Frama-C and writes docs/evidence/proofs.md; tests/evidence/proofs "
     "proves a block",
+    "fmpy compile plant.fmu": "needs CMake; tests/native/test_carried.py compiles FMUs by FMPy",
     "make pil": "takes minutes, needs QEMU and writes docs/evidence/processor.md",
 }
 """Commands that are not run, each with the reason."""
