@@ -70,6 +70,7 @@ def swapped(source: Source, swaps: Iterable[Swap]) -> Source:
             # What stands there now keeps an interface of its own, unless its name says which.
             interface = swap.block if swap.block in own() else str((source.folder / interface).resolve())
         here = Path.cwd()
+        source = source.without(("blocks", swap.block, key) for key in ("telemetry", "python", "orbit"))
         values = {"fmu": str(located(swap.file, here)), "interface": interface, "flavour": None}
         for key, value in values.items():
             source = source.with_entry(("blocks", swap.block, key), value, swap.place if value is not None else "")

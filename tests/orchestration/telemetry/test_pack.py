@@ -6,8 +6,10 @@ import fmpy
 import numpy as np
 import pytest
 
-from orchestration import run
+from fmus.build import ensure
+from orchestration import load, run
 from orchestration.errors import InputError
+from orchestration.swap.option import swapped, swaps_of
 
 LOG = "t,x,y,b\n0,1,2,10\n1,3,4,\n2.5,5,6,30\n4,7,8,40\n"
 ENTRY = {
@@ -62,6 +64,14 @@ def test_an_entry_is_an_fmu_or_a_record(scenario):
     scenario["blocks"]["log"]["fmu"] = "plant"
     with pytest.raises(InputError, match="expected 'telemetry' alone, found 'fmu', too"):
         run(scenario)
+
+
+def test_an_fmu_takes_the_place_of_a_record(scenario):
+    scenario["blocks"]["log"]["start"] = {"dipole_cmd": [0, 0, 0], "wheel_torque_cmd": 0}
+    scenario["record"] = {"signals": ["log.energy"], "interval": 0.5}
+    (swap,) = swaps_of([f"log={ensure('plant', 'native')}"], [])
+    result = run(load(swapped(load(scenario).source, [swap])))
+    assert len(column(result, "energy")) == 11
 
 
 def test_an_error_of_the_file_names_its_line(scenario):
