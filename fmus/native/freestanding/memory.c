@@ -8,7 +8,8 @@
 #endif
 
 typedef uint64_t __attribute__((may_alias, aligned(1))) Word;
-typedef uint64_t __attribute__((may_alias, aligned(1), vector_size(32))) Words;
+/* In this order: gcc takes a vector whose size comes last as aligned. */
+typedef uint64_t __attribute__((vector_size(32), may_alias, aligned(1))) Words;
 
 void *(memcpy)(void *restrict to, const void *restrict from, size_t n)
 {
