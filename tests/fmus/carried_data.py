@@ -56,7 +56,9 @@ def _played(folder: Path, interface: Interface) -> np.ndarray:
         variable = interface.variables[name]
         if three:
             what = {"real": "Float64", "string": "String"}.get(variable.type) or KINDS[variable.type][1]
-            given = [references[name]], *more
+            # An array whose elements differ in unit has a variable an element.
+            names = [name] if name in references else [e.name for e in variable.elements]
+            given = [references[n] for n in names], *more
             return getattr(it, f"{verb}{what}")(*given, **({"nValues": len(variable.elements)} if not more else {}))
         what = {"real": "Real", "string": "String"}.get(variable.type) or KINDS[variable.type][0]
         return getattr(it, f"{verb}{what}")([references[e.name] for e in variable.elements], *more)
