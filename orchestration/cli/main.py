@@ -50,6 +50,8 @@ COMMANDS = {
     "view": "orchestration.cli.view",
 }
 """The commands, and the modules whose `command` they are; each is imported when it is called."""
+EXTRAS = {"campaign": "campaign"}
+"""The extras of those that need packages beyond the ones of a plain installation."""
 
 
 @cache
@@ -74,8 +76,7 @@ class _Lazy(Commands):
             return None
         gc.disable()  # what imports leave is no garbage, and looking for some in it takes 30 ms
         try:
-            command = import_module(COMMANDS[name]).command if name in COMMANDS else _load(outside()[name])
-            return cast(click.Command, command)
+            return _own(name) if name in COMMANDS else _load(outside()[name])
         finally:
             gc.freeze()
             gc.enable()
@@ -98,6 +99,16 @@ class _Lazy(Commands):
         return super().resolve_command(ctx, args)
 
 
+def _own(name: str) -> click.Command:
+    """Returns one of `COMMANDS`, or one that says which extra brings the packages that it needs."""
+    try:
+        return cast(click.Command, import_module(COMMANDS[name]).command)
+    except ModuleNotFoundError as error:
+        if name not in EXTRAS or (error.name or "").startswith("orchestration"):
+            raise
+        return _lacking(name, error, f"attitude-cosim[{EXTRAS[name]}]")
+
+
 def _load(point: EntryPoint) -> click.Command:
     """Returns the command of an installed package, or one that says which extra brings the packages that it needs."""
     try:
@@ -105,15 +116,19 @@ def _load(point: EntryPoint) -> click.Command:
     except ModuleNotFoundError as error:
         distribution = point.dist.name if point.dist else "attitude-cosim"
         extra = f"[{','.join(point.extras)}]" if point.extras else ""
-        text = f"{point.name} needs the package {error.name!r}; remedy: pip install '{distribution}{extra}'"
+        return _lacking(point.name, error, distribution + extra)
+
+
+def _lacking(name: str, error: ModuleNotFoundError, needed: str) -> click.Command:
+    """Returns a command that refuses whatever it is asked."""
 
     def refuse(words: tuple[str, ...]) -> None:
-        raise InputError(text)
+        raise InputError(f"{name} needs the package {error.name!r}; remedy: pip install '{needed}'")
 
     return click.Command(
-        point.name,
+        name,
         callback=refuse,
-        short_help=f"Not installed: pip install '{distribution}{extra}'",
+        short_help=f"Not installed: pip install '{needed}'",
         params=[click.Argument(["words"], nargs=-1)],
         context_settings={"ignore_unknown_options": True, "help_option_names": []},
     )

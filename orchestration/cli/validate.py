@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from ..campaign.case import Case, read_campaign
 from ..errors import InputError
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
@@ -25,6 +25,9 @@ from .help import examples
 from .options import FIGURES, FORMAT, QUIET, changes
 from .overrides import Changes, settings
 from .paths import PATH
+
+if TYPE_CHECKING:
+    from ..campaign.case import Case
 
 
 @click.command(
@@ -104,6 +107,11 @@ def _campaign(ctx: click.Context, path: Path, sets: Sequence[str]) -> Case:
             raise InputError(
                 f"{option.opts[-1]}: {path.name} is a campaign; remedy: give it in the campaign's scenario"
             )
+    try:
+        from ..campaign.case import read_campaign  # here, since only campaigns need SciPy  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        remedy = "pip install 'attitude-cosim[campaign]'"
+        raise InputError(f"a campaign needs the package {error.name!r}; remedy: {remedy}") from None
     return read_campaign(path, None, settings(sets), loads=False)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from importlib.metadata import EntryPoint
@@ -74,6 +75,18 @@ def test_a_command_whose_packages_are_not_installed_is_listed_and_says_which_ext
     assert (
         "calibrate needs the package 'no_such_package'; remedy: pip install 'attitude-cosim[inflight]'" in answer.stderr
     )
+
+
+def test_a_plain_installation_lists_all_commands_and_says_what_campaigns_need(tmp_path):
+    (tmp_path / "sitecustomize.py").write_text("import sys\nsys.modules['scipy'] = None  # as if it were not there\n")
+    (tmp_path / "c.yaml").write_text("scenario: s.yaml\n")
+    status, listed, told = run(tmp_path, "-h")
+    assert (status, told) == (0, "")
+    assert re.search(r"campaign +Not installed: pip install 'attitude-cosim\[campaign\]'", listed)
+    status, _, told = run(tmp_path, "campaign", "c.yaml", "--runs", "3")
+    assert status == 2
+    assert "campaign needs the package 'scipy" in told
+    assert run(tmp_path, "validate", "c.yaml")[2].startswith("a campaign needs the package 'scipy")
 
 
 @pytest.mark.parametrize(
