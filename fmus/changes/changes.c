@@ -5,33 +5,17 @@
 
 #include "table.h"
 
-static fmi2Status refuse(const Changes *c, const char *message)
-{
-    if (c->calls.logger != NULL) {
-        c->calls.logger(c->calls.componentEnvironment, c->name, fmi2Error, "logStatusError", message);
-    }
-    return fmi2Error;
-}
-
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *calls, fmi2Boolean visible, fmi2Boolean log)
 {
     (void)visible, (void)log;
-    if (calls == NULL || calls->allocateMemory == NULL || calls->freeMemory == NULL || type != fmi2CoSimulation ||
-        resources == NULL || guid == NULL) {
-        return NULL;
-    }
-    Changes *c = calls->allocateMemory(1, sizeof *c);
+    Changes *c = host_instance(sizeof *c, name, type, guid, resources, calls);
     if (c == NULL) {
         return NULL;
     }
-    c->calls = *calls;
-    for (size_t i = 0; name != NULL && name[i] != '\0' && i < sizeof c->name - 1; ++i) {
-        c->name[i] = name[i];
-    }
     const char *reason;
     if (!table_open(c, resources, guid, &reason)) {
-        refuse(c, reason);
+        host_refuse(&c->host, reason);
         fmi2FreeInstance(c);
         return NULL;
     }
@@ -42,7 +26,7 @@ void fmi2FreeInstance(fmi2Component component)
 {
     Changes *c = component;
     if (c != NULL) {
-        c->calls.freeMemory(c);
+        c->host.calls.freeMemory(c);
     }
 }
 
@@ -53,21 +37,9 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean d, fmi2Real toleranc
     return fmi2OK;
 }
 
-fmi2Status fmi2EnterInitializationMode(fmi2Component c)
-{
-    (void)c;
-    return fmi2OK;
-}
-
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
     table_begin(c);
-    return fmi2OK;
-}
-
-fmi2Status fmi2Terminate(fmi2Component c)
-{
-    (void)c;
     return fmi2OK;
 }
 
@@ -81,7 +53,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_se
 {
     (void)no_set_state_before;
     if (!(h > 0.0)) {
-        return refuse(c, "fmi2DoStep: expected a step above 0");
+        return host_refuse(c, "fmi2DoStep: expected a step above 0");
     }
     table_step(c, t, h);
     return fmi2OK;
@@ -105,7 +77,7 @@ static double value_of(const Changes *c, fmi2ValueReference reference)
     {                                                                                                                  \
         for (size_t i = 0; i < n; ++i) {                                                                               \
             if (!known(c, r[i], FOUND, false)) {                                                                       \
-                return refuse(c, "fmi2Get" LONG ": there is no such variable with this value reference");              \
+                return host_refuse(c, "fmi2Get" LONG ": there is no such variable with this value reference");         \
             }                                                                                                          \
             v[i] = (TYPE)(ROUNDED(value_of(c, r[i])));                                                                 \
         }                                                                                                              \
@@ -115,7 +87,7 @@ static double value_of(const Changes *c, fmi2ValueReference reference)
     {                                                                                                                  \
         for (size_t i = 0; i < n; ++i) {                                                                               \
             if (!known(c, r[i], FOUND, true) || !isfinite((double)v[i])) {                                             \
-                return refuse(c, "fmi2Set" LONG ": expected a finite number for an input of this type");               \
+                return host_refuse(c, "fmi2Set" LONG ": expected a finite number for an input of this type");          \
             }                                                                                                          \
             ((Changes *)c)->inputs[r[i] / 2u] = (double)v[i];                                                          \
         }                                                                                                              \

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "fmi2.h"
+#include "host.h"
 
 enum { GUID = 40, MAGIC = 8, CHANNELS_MAX = 512, OPERATIONS_MAX = 4096 };
 typedef enum { REAL, INTEGER, BOOLEAN } Type;
@@ -34,8 +34,7 @@ typedef struct {
 } Acting;
 
 typedef struct {
-    fmi2CallbackFunctions calls;
-    char name[128];
+    Host host; /* first */
     Head head;
     Channel channels[CHANNELS_MAX];
     Operation operations[OPERATIONS_MAX];

@@ -29,6 +29,18 @@ fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n
     return n == 0 ? fmi2OK : fmi2Error;
 }
 
+fmi2Status fmi2EnterInitializationMode(fmi2Component c)
+{
+    (void)c;
+    return fmi2OK;
+}
+
+fmi2Status fmi2Terminate(fmi2Component c)
+{
+    (void)c;
+    return fmi2OK;
+}
+
 fmi2Status fmi2CancelStep(fmi2Component c)
 {
     (void)c;

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "fmi2.h"
+#include "host.h"
 #include "record_file.h"
 
 enum { GUID = 40, MAGIC = 8, PORTS_MAX = 512, VALUES_MAX = 4096, BUFFER = 8192 /* doubles */ };
@@ -26,8 +26,7 @@ typedef struct {
 } Port;
 
 typedef struct {
-    fmi2CallbackFunctions calls;
-    char name[128];
+    Host host; /* first */
     Head head;
     Port ports[PORTS_MAX];
     RecordFile file;

@@ -4,33 +4,17 @@
  * Value references, in their order: hold, shift, rows, age, ended; then of each port its elements, valid, sample. */
 #include "rows.h"
 
-static fmi2Status refuse(const Telemetry *t, const char *message)
-{
-    if (t->calls.logger != NULL) {
-        t->calls.logger(t->calls.componentEnvironment, t->name, fmi2Error, "logStatusError", "%s", message);
-    }
-    return fmi2Error;
-}
-
 fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                               const fmi2CallbackFunctions *calls, fmi2Boolean visible, fmi2Boolean log)
 {
     (void)visible, (void)log;
-    if (calls == NULL || calls->allocateMemory == NULL || calls->freeMemory == NULL || type != fmi2CoSimulation ||
-        resources == NULL || guid == NULL) {
-        return NULL;
-    }
-    Telemetry *t = calls->allocateMemory(1, sizeof *t);
+    Telemetry *t = host_instance(sizeof *t, name, type, guid, resources, calls);
     if (t == NULL) {
         return NULL;
     }
-    t->calls = *calls;
-    for (size_t i = 0; name != NULL && name[i] != '\0' && i < sizeof t->name - 1; ++i) {
-        t->name[i] = name[i];
-    }
     const char *reason = "resources/telemetry.bin has other ports";
     if (!rows_open(t, resources, guid, &reason)) {
-        refuse(t, reason);
+        host_refuse(&t->host, reason);
         fmi2FreeInstance(t);
         return NULL;
     }
@@ -42,7 +26,7 @@ void fmi2FreeInstance(fmi2Component c)
     Telemetry *t = c;
     if (t != NULL) {
         record_close(&t->file);
-        t->calls.freeMemory(t);
+        t->host.calls.freeMemory(t);
     }
 }
 
@@ -51,12 +35,6 @@ fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean d, fmi2Real toleranc
 {
     (void)d, (void)tolerance, (void)s, (void)stop;
     ((Telemetry *)c)->start = start;
-    return fmi2OK;
-}
-
-fmi2Status fmi2EnterInitializationMode(fmi2Component c)
-{
-    (void)c;
     return fmi2OK;
 }
 
@@ -75,20 +53,14 @@ static bool prepared(Telemetry *t)
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
-    return prepared(c) ? fmi2OK : refuse(c, "resources/telemetry.bin cannot be read");
-}
-
-fmi2Status fmi2Terminate(fmi2Component c)
-{
-    (void)c;
-    return fmi2OK;
+    return prepared(c) ? fmi2OK : host_refuse(c, "resources/telemetry.bin cannot be read");
 }
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
     Telemetry *t = c;
     t->hold = t->shift = t->start = 0.0;
-    return rows_rewind(t) ? fmi2OK : refuse(t, "resources/telemetry.bin cannot be read");
+    return rows_rewind(t) ? fmi2OK : host_refuse(&t->host, "resources/telemetry.bin cannot be read");
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no_set_state_before)
@@ -96,11 +68,11 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real h, fmi2Boolean no
     (void)no_set_state_before;
     Telemetry *t = c;
     if (!prepared(t)) {
-        return refuse(t, "resources/telemetry.bin cannot be read");
+        return host_refuse(&t->host, "resources/telemetry.bin cannot be read");
     }
     rows_advance(t, time + h);
     if ((uint64_t)t->rows < t->head.rows && rows_peek(t) == NULL) {
-        return refuse(t, "resources/telemetry.bin ends before its last row");
+        return host_refuse(&t->host, "resources/telemetry.bin ends before its last row");
     }
     return fmi2OK;
 }
@@ -130,7 +102,7 @@ fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference r[], size_t n, 
         } else if (p != NULL && r[i] < p->reference + p->size) {
             v[i] = t->values[p->first + r[i] - p->reference];
         } else {
-            return refuse(t, "fmi2GetReal: there is no Real variable with this value reference");
+            return host_refuse(&t->host, "fmi2GetReal: there is no Real variable with this value reference");
         }
     }
     return fmi2OK;
@@ -145,7 +117,7 @@ fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference r[], size_t 
     for (size_t i = 0; i < n; ++i) {
         const Port *p = port_of(t, r[i]);
         if (r[i] != ROWS && (p == NULL || r[i] != p->reference + p->size + 1)) {
-            return refuse(t, "fmi2GetInteger: there is no Integer variable with this value reference");
+            return host_refuse(&t->host, "fmi2GetInteger: there is no Integer variable with this value reference");
         }
         v[i] = r[i] == ROWS ? t->rows : p->sample;
     }
@@ -165,7 +137,7 @@ fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference r[], size_t 
         } else if (p != NULL && r[i] == p->reference + p->size) {
             v[i] = p->fresh || (p->sample > 0 && t->now - p->time <= t->hold);
         } else {
-            return refuse(t, "fmi2GetBoolean: there is no Boolean variable with this value reference");
+            return host_refuse(&t->host, "fmi2GetBoolean: there is no Boolean variable with this value reference");
         }
     }
     return fmi2OK;
@@ -176,7 +148,7 @@ fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference r[], size_t n, 
     Telemetry *t = c;
     for (size_t i = 0; i < n; ++i) {
         if (r[i] > SHIFT || !(v[i] - v[i] == 0.0)) {
-            return refuse(t, "fmi2SetReal: expected hold or shift, and a finite number");
+            return host_refuse(&t->host, "fmi2SetReal: expected hold or shift, and a finite number");
         }
         *(r[i] == HOLD ? &t->hold : &t->shift) = v[i];
         t->begun = t->begun && r[i] != SHIFT;
