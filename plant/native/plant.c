@@ -38,19 +38,6 @@ static Vector gravity_gradient(const PlantLaw *plant, Vector pull_B)
     return cross(pull_B, apply(plant->body.J, pull_B));
 }
 
-/* The components along the cylinder and across it, in cyclic order. */
-static Vector in_cylinder(const Cylinder *cylinder, Vector v)
-{
-    switch (cylinder->axis) {
-    case PLANT_BODY_AXIS_X:
-        return v;
-    case PLANT_BODY_AXIS_Y:
-        return (Vector){v.y, v.z, v.x};
-    default:
-        return (Vector){v.z, v.x, v.y};
-    }
-}
-
 /* Each plate facing the flow takes the momentum of what strikes it: M = sum (r_i - c) x F_i, F_i = -1/2 rho C_d A_i
  * max(0, v.n_i) v. Omega x r is left out: 0.1 m/s of 7500. Of two plates n and -n, max(0, v.n) (d n - c) + max(0,
  * -v.n) (-d n - c) = d (v.n) n - |v.n| c; over the four pairs of sides the first sums to 2 d (v - (v.e) e), e along
@@ -60,7 +47,7 @@ static Vector drag(const PlantLaw *plant, Vector v_B, double density)
     static const double root =
         1.41421356237309504880; /* of two: sides at 45 deg see |x + y| + |x - y| = 2 max(|x|, |y|) */
     const Cylinder *body = &plant->cylinder;
-    const Vector v = in_cylinder(body, v_B);
+    const Vector v = plant_along(body->axis, v_B);
     const double across = fabs(v.y), other = fabs(v.z);
     const double sides = (1.0 + root) * larger(across, other) + smaller(across, other);
     const double flow = density * body->side * sides + density * body->end * fabs(v.x); /* kg/s */

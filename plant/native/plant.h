@@ -30,6 +30,19 @@ typedef struct {
     Vector center_of_mass; /* from the middle, m */
 } Cylinder;
 
+/* The components along a body axis, a value of body_axis, and across it: in cyclic order, so that cross products keep. */
+static inline Vector plant_along(int32_t axis, Vector v)
+{
+    switch (axis) {
+    case PLANT_BODY_AXIS_X:
+        return v;
+    case PLANT_BODY_AXIS_Y:
+        return (Vector){v.y, v.z, v.x};
+    default:
+        return (Vector){v.z, v.x, v.y};
+    }
+}
+
 /* The surroundings in body axes, which follow from orbit and attitude alone. */
 typedef struct {
     bool known;

@@ -5,19 +5,7 @@ static const double AU = 149597870700.0;             /* m */
 static const double PRESSURE = 1361.0 / 299792458.0; /* N/m2, at one AU: nominal irradiance (IAU 2015 B3) over c */
 static const double ROOT_HALF = 0.70710678118654752440;
 
-/* Components in cyclic order from the given axis on, so that cross products keep. */
-static Vector from_axis(int32_t axis, Vector v)
-{
-    switch (axis) {
-    case PLANT_BODY_AXIS_X:
-        return v;
-    case PLANT_BODY_AXIS_Y:
-        return (Vector){v.y, v.z, v.x};
-    default:
-        return (Vector){v.z, v.x, v.y};
-    }
-}
-
+/* Undoes plant_along. */
 static Vector to_body(int32_t axis, Vector v)
 {
     switch (axis) {
@@ -53,8 +41,8 @@ Vector plant_solar_pressure(PlantLaw *plant, const Matrix *R, double t)
     static const Vector normals[] = {
         {0.0, 1.0, 0.0}, {0.0, ROOT_HALF, ROOT_HALF}, {0.0, 0.0, 1.0}, {0.0, -ROOT_HALF, ROOT_HALF}};
     static const double EDGE = 0.41421356237309504880; /* of the width: tan 22.5 deg */
-    const Vector sun = from_axis(p->body_axis, apply_transposed(*R, vector(sun_N)));
-    const Vector center = from_axis(p->body_axis, vector(p->center_of_mass_B));
+    const Vector sun = plant_along(p->body_axis, apply_transposed(*R, vector(sun_N)));
+    const Vector center = plant_along(p->body_axis, vector(p->center_of_mass_B));
     const double side = EDGE * p->body_width * p->body_length, end = 2.0 * EDGE * p->body_width * p->body_width;
     Vector moment = pair(p, (Vector){1.0, 0.0, 0.0}, end, 0.5 * p->body_length, sun, center);
     for (int i = 0; i < 4; ++i) {
