@@ -65,7 +65,7 @@ def model_description(
         files = ET.SubElement(kind, "SourceFiles")
         for name in sources:
             ET.SubElement(files, "File", name=name)
-    _unit_definitions(root, interface)
+    unit_definitions(root, shown_units(interface))
     _type_definitions(root, interface)
     categories = ET.SubElement(root, "LogCategories")
     for name, about in LOG_CATEGORIES.items():
@@ -124,10 +124,12 @@ def axes_of(variable: Variable, position: int) -> str:
     return ", ".join(words)
 
 
-def item_about(variable: Variable, item: str) -> dict[str, str]:
-    """The attribute description of an enumeration's item, from the description of the variable: `'item': ...`."""
-    found = re.search(rf"'{re.escape(item)}': (.+?)(?:; '|$)", variable.description)
-    return {"description": found[1]} if found else {}
+def add_items(parent: ET.Element, variable: Variable) -> None:
+    """Adds the items of an enumeration, each with its words in the description of the variable: `'item': ...`."""
+    for value, item in enumerate(variable.items, start=1):
+        entry = ET.SubElement(parent, "Item", name=item, value=str(value))
+        if found := re.search(rf"'{re.escape(item)}': (.+?)(?:; '|$)", variable.description):
+            entry.set("description", found[1])
 
 
 def shown_units(interface: Interface) -> dict[str, set[str]]:
@@ -139,8 +141,8 @@ def shown_units(interface: Interface) -> dict[str, set[str]]:
     return shown
 
 
-def _unit_definitions(root: ET.Element, interface: Interface) -> None:
-    shown = shown_units(interface)
+def unit_definitions(root: ET.Element, shown: Mapping[str, set[str]]) -> None:
+    """Adds UnitDefinitions of units, each with those in which it is shown."""
     definitions = ET.SubElement(root, "UnitDefinitions")
     for name in sorted(shown):
         entry = ET.SubElement(definitions, "Unit", name=name)
@@ -163,9 +165,7 @@ def _type_definitions(root: ET.Element, interface: Interface) -> None:
         if variable.type == "real":
             ET.SubElement(entry, "Real", _unit_attributes(variable, position))
             continue
-        items = ET.SubElement(entry, "Enumeration")
-        for value, item in enumerate(variable.items, start=1):
-            ET.SubElement(items, "Item", {"name": item, "value": str(value)} | item_about(variable, item))
+        add_items(ET.SubElement(entry, "Enumeration"), variable)
 
 
 def type_name(variable: Variable, position: int = 0) -> str:

@@ -10,7 +10,6 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 
 from ..interface import Element, Interface, Variable
-from ..units import display_factor, parse_unit
 from .description import (
     DIMENSIONLESS,
     LOG_CATEGORIES,
@@ -18,10 +17,11 @@ from .description import (
     TOOL,
     Capabilities,
     about,
-    item_about,
+    add_items,
     shown_units,
     text_of,
     type_name,
+    unit_definitions,
     xml_bytes,
 )
 
@@ -56,7 +56,7 @@ def model_description_3(
     }
     kind = {"modelIdentifier": interface.name} | {name: text_of(value) for name, value in flags.items()}
     ET.SubElement(root, "CoSimulation", kind)
-    _units(root, interface)
+    unit_definitions(root, {"s": set(), **shown_units(interface)})  # s is that of time
     _types(root, interface)
     categories = ET.SubElement(root, "LogCategories")
     for name, meaning in LOG_CATEGORIES.items():
@@ -83,26 +83,12 @@ def build_description(interface: Interface, sources: list[str]) -> bytes:
     return xml_bytes(root)
 
 
-def _units(root: ET.Element, interface: Interface) -> None:
-    definitions = ET.SubElement(root, "UnitDefinitions")
-    shown = shown_units(interface)
-    shown.setdefault("s", set())  # of time
-    for name in sorted(shown):
-        entry = ET.SubElement(definitions, "Unit", name=name)
-        unit = parse_unit(name)
-        ET.SubElement(entry, "BaseUnit", unit.base_unit)
-        for display in sorted(shown[name]):
-            factor = display_factor(unit, parse_unit(display))
-            ET.SubElement(entry, "DisplayUnit", name=display, factor=text_of(factor))
-
-
 def _types(root: ET.Element, interface: Interface) -> None:
     chosen = {type_name(v): v for v in interface.variables.values() if v.type == "enumeration"}
     definitions = ET.SubElement(root, "TypeDefinitions") if chosen else root
     for name, variable in sorted(chosen.items()):
         entry = ET.SubElement(definitions, "EnumerationType", name=name)
-        for value, item in enumerate(variable.items, start=1):
-            ET.SubElement(entry, "Item", {"name": item, "value": str(value)} | item_about(variable, item))
+        add_items(entry, variable)
 
 
 def _variable(parent: ET.Element, variable: Variable, elements: tuple[Element, ...]) -> None:
