@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.bank import Noise, exp
+from estimator.bank import Noise
 
 from .attitude import Attitudes
 from .records import Flight
@@ -94,8 +94,3 @@ def spin(flight: Flight, found: Attitudes, noise: Noise) -> Spin:
         sigma[3:],
         found.verdict(),
     )
-
-
-def untilted(A: Floats, seen: Spin) -> Floats:
-    """A calibration's matrix with the tilt taken out."""
-    return np.asarray(exp(seen.tilt[None])[0] @ A)
