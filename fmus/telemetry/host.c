@@ -20,7 +20,7 @@ void *host_instance(size_t size, fmi2String name, fmi2Type type, fmi2String guid
 fmi2Status host_refuse(const Host *host, const char *message)
 {
     if (host->calls.logger != NULL) {
-        host->calls.logger(host->calls.componentEnvironment, host->name, fmi2Error, "logStatusError", "%s", message);
+        host->calls.logger(host->calls.componentEnvironment, host->name, fmi2Error, "logStatusError", message);
     }
     return fmi2Error;
 }

@@ -13,7 +13,7 @@ typedef struct {
 void *host_instance(size_t size, fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                     const fmi2CallbackFunctions *calls);
 
-/* Tells the host, and returns fmi2Error. */
+/* Tells the host, and returns fmi2Error. The message has no %: some hosts show the format itself. */
 fmi2Status host_refuse(const Host *host, const char *message);
 
 #endif
