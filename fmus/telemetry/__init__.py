@@ -1,6 +1,6 @@
 """The FMU of a record: a library that plays rows back, the rows as a resource, and the description of its ports.
 
-pack(path, [Port("omega_B_measured", 3, "rad/s", "...")], rows, stop=600.0, step=1.0, guid=guid)
+pack(path, [Port("omega_B_measured", (3,), "rad/s", "...")], rows, stop=600.0, step=1.0, guid=guid)
 
 The native flavour only: the library knows no port, so one serves every record, and no compiler is needed where it is
 ready-made. Tests: tests/orchestration/telemetry/test_pack.py.
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import struct
 import tempfile
@@ -49,12 +50,17 @@ _OWN = (
 
 
 class Port(NamedTuple):
-    """An output of so many values of a row, with its unit as FMI has it; of size 1 it is a scalar."""
+    """An output of the next values of a row, with its unit as FMI has it; a scalar has the shape ()."""
 
     name: str
-    size: int
+    shape: tuple[int, ...]
     unit: str
     description: str
+
+    @property
+    def size(self) -> int:
+        """How many values it has."""
+        return math.prod(self.shape)
 
 
 def interface(ports: Sequence[Port], stop: float, step: float, description: str) -> Interface:
@@ -62,16 +68,16 @@ def interface(ports: Sequence[Port], stop: float, step: float, description: str)
     lines = [f'[block]\nname = "{NAME}"\ndescription = {json.dumps(description)}']
     lines.append(f"[experiment]\nstop = {stop!r}\nstep = {step!r}")
 
-    def add(name: str, causality: str, kind: str, unit: str, about: str, size: int = 1) -> None:
+    def add(name: str, causality: str, kind: str, unit: str, about: str, shape: tuple[int, ...] = ()) -> None:
         lines.append(f'[variables.{name}]\ncausality = "{causality}"\ntype = "{kind}"')
         lines.append(f"description = {json.dumps(about)}")
-        lines.extend([f"unit = {json.dumps(unit)}"] * bool(unit) + [f"shape = [{size}]"] * (size > 1))
+        lines.extend([f"unit = {json.dumps(unit)}"] * bool(unit) + [f"shape = {list(shape)}"] * bool(shape))
         lines.extend(['variability = "fixed"\nstart = 0.0'] * (causality == "parameter"))
 
     for row in _OWN:
         add(*row)
-    for name, size, unit, about in ports:
-        add(name, "output", "real", unit, about, size)
+    for name, shape, unit, about in ports:
+        add(name, "output", "real", unit, about, shape)
         add(f"{name}_valid", "output", "boolean", "", f"Whether {name} has a sample now, or one no older than hold")
         add(f"{name}_sample", "output", "integer", "", f"Number of the last sample of {name}, from 1")
     return parse("\n".join(lines), "telemetry")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, field_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from .types import Model, UnitName
 
@@ -16,6 +16,9 @@ Scale = Literal["UTC", "GPS", "TAI", "elapsed"]
 
 def _listed(value: Any) -> Any:
     return [value] if isinstance(value, str) else value
+
+
+_Row = Annotated[list[Text], Field(min_length=1)]
 
 
 class TimeColumn(Model):
@@ -35,8 +38,11 @@ class TimeColumn(Model):
 class Column(Model):
     """A port, and the columns that it is made of."""
 
-    of: Annotated[list[Text], Field(min_length=1), BeforeValidator(_listed, json_schema_input_type=str | list[str])]
-    """One column, or those of a vector in their order."""
+    of: Annotated[
+        _Row | Annotated[list[_Row], Field(min_length=1)],
+        BeforeValidator(_listed, json_schema_input_type=str | list[str] | list[list[str]]),
+    ]
+    """One column, those of a vector in their order, or a list of such for each row of a matrix."""
     unit: UnitName = "1"
     """Their unit, which is the port's. A unit in the file's header, as in `x [rad/s]`, is converted to it."""
     gain: list[tuple[float, float]] = []
@@ -46,12 +52,47 @@ class Column(Model):
     beyond."""
     matrix: Annotated[list[list[float]], Field(min_length=1)] | None = None
     """By which they are last multiplied: a row for each element of the port."""
+    quaternion: Literal["scalar first", "scalar last"] | None = None
+    """The port is a rotation matrix and the four columns are a unit quaternion, q v q* = R v, with its scalar there."""
+    inverse: bool = Field(False, strict=True)
+    """Of a quaternion: it stands for the inverse, the port is transposed."""
     missing: list[float] = []
     """Numbers that mean that there is no value, beside an empty cell and NaN."""
     required: bool = False
     """Whether a value that is missing is an error."""
     description: str = ""
     """What it is."""
+
+    @model_validator(mode="after")
+    def _whole(self) -> Column:
+        rows = [row for row in self.of if isinstance(row, list)]
+        if len({len(row) for row in rows}) > 1:
+            raise ValueError("of: expected rows of one length")
+        if rows and self.matrix is not None:
+            raise ValueError("expected a 'matrix' for the columns of a vector, found rows of columns")
+        if self.inverse and self.quaternion is None:
+            raise ValueError("'inverse' is of a quaternion; say 'quaternion: scalar first' or 'scalar last' as well")
+        if self.quaternion is not None:
+            if beside := [key for key in ("gain", "offset", "matrix") if getattr(self, key)]:
+                raise ValueError(f"a quaternion goes without {' and '.join(beside)}")
+            if rows or len(self.of) != 4 or self.unit != "1":
+                raise ValueError(f"a quaternion has 4 columns without unit, found {self.of} in {self.unit!r}")
+        return self
+
+    @property
+    def cells(self) -> list[str]:
+        """The columns of the file, a matrix row by row."""
+        return [cell for part in self.of for cell in ([part] if isinstance(part, str) else part)]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The port's; that of a scalar is empty."""
+        if self.quaternion is not None:
+            return (3, 3)
+        if isinstance(self.of[0], list):
+            return (len(self.of), len(self.of[0]))
+        size = len(self.of if self.matrix is None else self.matrix)
+        return (size,) if size > 1 else ()
 
 
 class Telemetry(Model):

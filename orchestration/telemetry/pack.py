@@ -48,9 +48,7 @@ def fmu_of(entry: Telemetry, path: Path) -> Path:
     if target.exists() and target.with_suffix(".json").exists():
         return target
     record = Record(entry, path, entry.file)
-    ports = [
-        telemetry.Port(n, record.size(n), c.unit, _about(c.description, n, c.of)) for n, c in entry.columns.items()
-    ]
+    ports = [telemetry.Port(n, c.shape, c.unit, _about(c.description, n, c.cells)) for n, c in entry.columns.items()]
     if len(ports) > telemetry.PORTS_MAX or sum(port.size for port in ports) > telemetry.VALUES_MAX:
         text = f"expected at most {telemetry.PORTS_MAX} ports of {telemetry.VALUES_MAX} elements in all"
         raise InputError(Problem(text, found=f"{len(ports)} ports"))

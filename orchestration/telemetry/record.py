@@ -1,14 +1,13 @@
 """A file as a scenario's `telemetry` describes it: times from the start of the run, and the ports' values, in blocks.
 
-A million rows of ten columns take 20 s and the memory of one block. Tests: tests/orchestration/telemetry.
-Longer than 250 lines: times, values and their checks are read in one pass.
-"""
+A million rows of ten columns take 20 s and the memory of one block. Tests: tests/orchestration/telemetry."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
+from math import prod
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +15,10 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, Place, Problem
 from ..quantities import SECOND, QuantityError, parse_unit
-from ..scenario.telemetry import Column, Telemetry
+from ..scenario.telemetry import Telemetry
 from .rows import Block, Header, blocks, header_of
-from .times import DEFAULT_EPOCHS, TimeError, calendar_seconds, instants, tai, utc_text
+from .times import DEFAULT_EPOCHS, TimeError, calendar_seconds, instant, instants, utc_text
+from .values import are_numbers, check, values
 
 Floats = NDArray[np.float64]
 
@@ -60,36 +60,9 @@ class Record:
     def __init__(self, entry: Telemetry, path: Path, shown: str) -> None:
         self.entry, self.path, self.shown, self.seen = entry, path, shown, Seen()
         self.header: Header = header_of(path, shown)
-        self._check_columns()
+        check(self.header, entry.columns)
+        self.header.place(entry.time.column)
         self._factor, self._epoch = self._time_unit()
-
-    def _check_columns(self) -> None:
-        for name, column in self.entry.columns.items():
-            for cell in column.of:
-                self.header.place(cell)
-                stated = self.header.units.get(cell)
-                try:
-                    fits = stated is None or parse_unit(stated).fits(parse_unit(column.unit))
-                except QuantityError:
-                    fits = False
-                if not fits:
-                    text = f"the unit {stated!r} of this column does not fit {column.unit!r} of {name}"
-                    raise InputError(Problem(text, place=Place(self.shown, self.header.line, cell)))
-            width = len(column.of)
-            offset = column.offset
-            widths = {len(row) - 1 if isinstance(row, list) else len(offset) for row in offset} if offset else set()
-            if offset is not None and widths != {width}:
-                raise InputError(f"{name}: offset: expected {width} numbers, or rows of time and {width} numbers")
-            if column.matrix is not None and any(len(row) != width for row in column.matrix):
-                raise InputError(f"{name}: matrix: expected rows of {width} numbers")
-            for key in ("offset", "matrix", "gain"):
-                if not all(np.isfinite(row).all() for row in getattr(column, key) or ()):
-                    raise InputError(f"{name}: {key}: expected finite numbers, found one that is not")
-            for key in ("offset", "gain"):
-                knots = [row[0] for row in getattr(column, key) or () if not isinstance(row, float)]
-                if knots != sorted(knots):
-                    raise InputError(f"{name}: {key}: expected rows in the order of their times")
-        self.header.place(self.entry.time.column)
 
     def _time_unit(self) -> tuple[float, float]:
         time = self.entry.time
@@ -107,7 +80,7 @@ class Record:
         if time.scale == "elapsed":
             return unit.factor, 0.0
         try:
-            return unit.factor, calendar_seconds(time.epoch or DEFAULT_EPOCHS[time.scale], time.scale)
+            return unit.factor, sum(calendar_seconds(time.epoch or DEFAULT_EPOCHS[time.scale], time.scale))
         except TimeError as error:
             raise InputError(f"time: epoch: {error}") from None
 
@@ -125,14 +98,13 @@ class Record:
         if start is None:
             return float(times[0])
         try:
-            return float(tai(np.array([calendar_seconds(start, "UTC")]), "UTC")[0])
+            return instant(start, "UTC")
         except TimeError as error:
             raise InputError(f"start: {error}") from None
 
     def size(self, name: str) -> int:
         """Returns how many elements a port has."""
-        column = self.entry.columns[name]
-        return len(column.of if column.matrix is None else column.matrix)
+        return prod(self.entry.columns[name].shape)
 
     def stream(self) -> Iterator[Floats]:
         """Returns blocks (n, 1 + values): time from t = 0, s, then the values, NaN where missing; times increase."""
@@ -175,7 +147,7 @@ class Record:
 
     def _parts(self) -> Iterator[tuple[NDArray[np.int64], Floats]]:
         entry, scale = self.entry, self.entry.time.scale
-        names = [entry.time.column, *entry.where, *(c for port in entry.columns.values() for c in port.of)]
+        names = [entry.time.column, *entry.where, *(c for port in entry.columns.values() for c in port.cells)]
         for block in blocks(self.path, self.header, names):
             chosen = np.ones(len(block.lines), bool)
             for i, text in enumerate(entry.where.values(), start=1):
@@ -185,8 +157,8 @@ class Record:
             if not chosen.all():
                 kept = np.flatnonzero(chosen).tolist()
                 block = Block(block.lines[chosen], [[c[k] for k in kept] for c in block.columns], block.file)
-            if scale == "elapsed" and not _numbers(block.columns[0]):
-                bad = next(i for i, cell in enumerate(block.columns[0]) if not _numbers([cell]))
+            if scale == "elapsed" and not are_numbers(block.columns[0]):
+                bad = next(i for i, cell in enumerate(block.columns[0]) if not are_numbers([cell]))
                 raise block.error(bad, entry.time.column, f"expected a number, found {block.columns[0][bad]!r}")
             times, bad_time, why = instants(block.columns[0], self._factor, self._epoch, scale)
             if bad_time is not None:
@@ -194,22 +166,10 @@ class Record:
             if np.isnan(self.seen.first):
                 self.seen.first = self._start(times)
             times = times - self.seen.first
-            yield block.lines, np.column_stack([times, *self._values(block, 1 + len(entry.where), times)])
-
-    def _values(self, block: Block, at: int, times: Floats) -> Iterator[Floats]:
-        for name, column in self.entry.columns.items():
-            raw = np.column_stack([_floats(block, block.columns[at + i], cell) for i, cell in enumerate(column.of)])
-            raw[np.isin(raw, column.missing) | ~np.isfinite(raw)] = np.nan  # 1e999 is no number either
-            if column.required and len(bad := np.argwhere(~np.isfinite(raw))):
-                row, k = bad[0]
-                text = f"expected a value, since {name} is required, found {block.columns[at + k][row]!r}"
-                raise block.error(int(row), column.of[k], text)
-            for i, stated in enumerate(map(self.header.units.get, column.of)):
-                if stated is not None and stated != column.unit:
-                    factor, zero = parse_unit(stated).conversion(parse_unit(column.unit))
-                    raw[:, i] = raw[:, i] * factor + zero
-            at += len(column.of)
-            yield corrected(raw, column, times)
+            yield (
+                block.lines,
+                np.column_stack([times, *values(block, 1 + len(entry.where), self.header, entry.columns, times)]),
+            )
 
     def _in_order(self, lines: NDArray[np.int64], table: Floats) -> tuple[NDArray[np.int64], Floats]:
         time = table[:, 0]
@@ -238,43 +198,8 @@ class Record:
         return "" if self.entry.time.scale == "elapsed" else utc_text(self.seen.first)
 
 
-def corrected(raw: Floats, column: Column, times: Floats) -> Floats:
-    """Returns matrix (gain(t) raw - offset), rows (n, elements)."""
-    values = raw
-    if column.gain:
-        knots, factors = np.array(column.gain).T
-        values = values * np.interp(times, knots, factors)[:, None]
-    if column.offset is not None:
-        offset = np.array(column.offset)
-        if offset.ndim == 2:
-            offset = np.column_stack([np.interp(times, offset[:, 0], taken) for taken in offset[:, 1:].T])
-        values = values - offset
-    if column.matrix is not None:
-        values = values @ np.array(column.matrix).T
-    return values
-
-
 def _sorted(parts: Iterator[tuple[NDArray[np.int64], Floats]]) -> Iterator[tuple[NDArray[np.int64], Floats]]:
     lines, tables = zip(*parts, strict=True)
     table = np.concatenate(tables)
     order = np.argsort(table[:, 0], kind="stable")
     yield np.concatenate(lines)[order], table[order]
-
-
-def _floats(block: Block, cells: Sequence[str], name: str) -> Floats:
-    try:
-        return np.array([float(cell) if cell else np.nan for cell in cells])
-    except ValueError:
-        pass
-    for row, cell in enumerate(cells):
-        if cell.strip() and not _numbers([cell]):
-            raise block.error(row, name, f"expected a number, found {cell!r}")
-    return np.array([float(cell) if cell.strip() else np.nan for cell in cells])
-
-
-def _numbers(cells: Sequence[str]) -> bool:
-    try:
-        [float(cell) for cell in cells]
-    except ValueError:
-        return False
-    return True

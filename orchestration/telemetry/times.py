@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
 
@@ -16,6 +18,7 @@ _LEAPS = (
 ).split()
 """Months that began after a leap second (IERS Bulletin C); TAI - UTC was 10 s before the first."""
 _UNIX = np.array([datetime.fromisoformat(f"{month}-01T00:00:00+00:00").timestamp() for month in _LEAPS])
+_LEAP_SECOND = re.compile(r"(?<=:\d\d):60(?![\d:])")
 GPS_BEHIND_TAI = 19.0
 DEFAULT_EPOCHS = {"UTC": "1970-01-01", "GPS": "1980-01-06", "TAI": "1970-01-01"}
 
@@ -38,19 +41,32 @@ def unix(seconds: float) -> float:
 
 def utc_text(seconds: float) -> str:
     """Returns the UTC, to a second, of seconds of TAI since 1970-01-01."""
-    return datetime.fromtimestamp(unix(seconds), UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    calendar = unix(seconds)
+    leap = float(tai(np.array([calendar]), "UTC")[0]) > seconds + 0.5  # Unix time has the next second's number
+    when = datetime.fromtimestamp(calendar - leap, UTC)
+    return when.strftime("%Y-%m-%dT%H:%M:60Z" if leap else "%Y-%m-%dT%H:%M:%SZ")
 
 
-def calendar_seconds(text: str, scale: str) -> float:
-    """Returns the seconds since 1970-01-01 that a calendar of this scale counts to a text in ISO 8601. Raises
-    TimeError."""
+def calendar_seconds(text: str, scale: str) -> tuple[float, float]:
+    """Returns the seconds since 1970-01-01 that a calendar of this scale counts to a text in ISO 8601, and those to
+    add behind it: one in a leap second, 23:59:60 of UTC, which such a count has no number for. Raises TimeError."""
+    leap = _LEAP_SECOND.search(text) if scale == "UTC" else None
     try:
-        when = datetime.fromisoformat(text.strip())
+        when = datetime.fromisoformat((_LEAP_SECOND.sub(":59", text) if leap else text).strip())
     except ValueError:
         raise TimeError(f"expected a date and time in ISO 8601, or a number, found {text!r}") from None
     if when.tzinfo is not None and scale != "UTC":
         raise TimeError(f"expected a time in {scale}, found {text!r}, which is UTC by its end")
-    return (when if when.tzinfo else when.replace(tzinfo=UTC)).timestamp()
+    seconds = (when if when.tzinfo else when.replace(tzinfo=UTC)).timestamp()
+    if leap and math.floor(seconds) + 1.0 not in _UNIX:
+        raise TimeError(f"expected a time in UTC, found {text!r}, when there was no leap second")
+    return seconds, 1.0 if leap else 0.0
+
+
+def instant(text: str, scale: str) -> float:
+    """Returns the seconds of TAI since 1970-01-01 of a text in ISO 8601. Raises TimeError."""
+    seconds, more = calendar_seconds(text, scale)
+    return float(tai(np.array([seconds]), scale)[0]) + more
 
 
 def instants(cells: Sequence[str], factor: float, epoch: float, scale: str) -> tuple[Floats, int | None, str]:
@@ -62,13 +78,13 @@ def instants(cells: Sequence[str], factor: float, epoch: float, scale: str) -> t
     try:
         return _finite(tai(factor * np.array([float(cell) for cell in cells]) + epoch, scale))
     except ValueError:
-        seconds = np.full(len(cells), np.nan)
+        seconds, more = np.full((2, len(cells)), np.nan)
     for i, cell in enumerate(cells):
         try:
-            seconds[i] = _number(cell, factor, epoch) if _is_number(cell) else calendar_seconds(cell, scale)
+            seconds[i], more[i] = _number(cell, factor, epoch) or calendar_seconds(cell, scale)
         except TimeError as error:
             return tai(seconds, scale), i, str(error) if cell.strip() else "expected a time, found nothing"
-    return _finite(tai(seconds, scale))
+    return _finite(tai(seconds, scale) + more)
 
 
 def _finite(times: Floats) -> tuple[Floats, int | None, str]:
@@ -76,13 +92,8 @@ def _finite(times: Floats) -> tuple[Floats, int | None, str]:
     return times, (int(bad[0]) if len(bad) else None), "expected a finite time"
 
 
-def _is_number(cell: str) -> bool:
+def _number(cell: str, factor: float, epoch: float) -> tuple[float, float] | None:
     try:
-        float(cell)
+        return factor * float(cell) + epoch, 0.0
     except ValueError:
-        return False
-    return True
-
-
-def _number(cell: str, factor: float, epoch: float) -> float:
-    return factor * float(cell) + epoch
+        return None

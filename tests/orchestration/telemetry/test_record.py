@@ -137,6 +137,43 @@ def test_an_offset_may_change_with_time(tmp_path):
     np.testing.assert_allclose(table[:, 1:], [[1, 3], [0, 3], [-1, 3]])
 
 
+def test_a_port_may_be_a_matrix_by_rows_of_columns_or_by_a_quaternion(tmp_path):
+    from scipy.spatial.transform import Rotation
+
+    R = Rotation.from_rotvec([[0.1, -0.7, 0.3], [2.0, 1.0, -2.0]])
+    names = [[f"r{i}{k}" for k in "123"] for i in "123"]
+    header = ["t", *(name for row in names for name in row), "a", "b", "c", "d"]
+    rows = [[t, *m.ravel(), *q] for t, m, q in zip((0, 1), R.as_matrix(), R.as_quat(), strict=True)]
+    text = "\n".join([",".join(header), *(",".join(map(repr, map(float, row))) for row in rows), "2" + "," * 13])
+    columns = {
+        "R_NB": {"of": names},
+        "last": {"of": ["a", "b", "c", "d"], "quaternion": "scalar last"},
+        "first": {"of": ["d", "a", "b", "c"], "quaternion": "scalar first", "inverse": True},
+    }
+    record, table = read(tmp_path, text, columns=columns)
+    assert [column.shape for column in record.entry.columns.values()] == [(3, 3)] * 3
+    for at, wanted in ((1, R), (10, R), (19, R.inv())):
+        np.testing.assert_allclose(table[:2, at : at + 9], wanted.as_matrix().reshape(2, 9), atol=1e-15)
+    assert np.isnan(table[2, 1:]).all()
+    long = text.replace(rows_of := text.splitlines()[2].rsplit(",", 1)[1], repr(2 * float(rows_of)))
+    assert "log.csv:3: a: expected a quaternion of length 1" in refused(tmp_path, long, columns=columns)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"of": [["x", "y"], ["x"]]}, "expected rows of one length"),
+        ({"of": [["x"], ["y"]], "matrix": [[1, 0]]}, "expected a 'matrix' for the columns of a vector"),
+        ({"of": ["x", "y"], "quaternion": "scalar last"}, "a quaternion has 4 columns without unit"),
+        ({"of": ["x"] * 4, "quaternion": "scalar last", "gain": [[0, 1]]}, "a quaternion goes without gain"),
+        ({"of": ["x"], "inverse": True}, "'inverse' is of a quaternion"),
+    ],
+)
+def test_a_matrix_or_quaternion_of_other_columns_is_refused(tmp_path, wrong, message):
+    with pytest.raises(ValueError, match=message):
+        read(tmp_path, "t,x,y\n0,1,2\n", columns={"w": wrong})
+
+
 def test_parquet_gives_what_csv_gives(tmp_path):
     import pyarrow as pa
     import pyarrow.parquet as parquet
@@ -156,6 +193,35 @@ def test_seconds_between_two_dates_are_those_of_astropy_in_each_scale(scale):
     wanted = Time(dates, scale="tai" if scale == "GPS" else scale.lower()).tai
     np.testing.assert_allclose(times - times[0], (wanted - wanted[0]).sec, atol=2e-6)
     assert times[0] - shift == pytest.approx((wanted[0] - Time("1970-01-01", scale="tai")).sec, abs=1e-5)
+
+
+def test_seconds_across_a_leap_second_are_those_of_astropy_and_its_row_has_its_own_instant(tmp_path):
+    dates = ["2016-12-31T23:59:59Z", "2016-12-31T23:59:60Z", "2016-12-31T23:59:60.500Z", "2017-01-01T00:00:00Z"]
+    record, table = read(tmp_path, "t,x,y\n" + "".join(f"{date},1,2\n" for date in dates), scale="UTC")
+    utc = Time([date[:-1] for date in dates], scale="utc")
+    np.testing.assert_allclose(table[:, 0], (utc - utc[0]).sec, atol=1e-6)
+    np.testing.assert_array_equal(table[:, 0], [0.0, 1.0, 1.5, 2.0])
+    later, _ = read(tmp_path, "t,x,y\n2016-12-31T23:59:60Z,1,2\n", scale="UTC")
+    assert (record.utc, later.utc) == (dates[0], dates[1])
+    assert later.seen.first == pytest.approx((utc[1] - Time("1970-01-01", scale="tai")).sec, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("scale", "date"),
+    [("UTC", "2019-12-31T23:59:60Z"), ("UTC", "2017-01-01T12:30:60"), ("GPS", "2016-12-31T23:59:60")],
+)
+def test_a_leap_second_that_there_was_not_is_refused(tmp_path, scale, date):
+    assert "log.csv:2: t: expected a" in refused(tmp_path, f"t,x,y\n{date},1,2\n", scale=scale)
+
+
+@pytest.mark.parametrize(("scale", "form"), [("UTC", "unix"), ("GPS", "gps"), ("TAI", "unix_tai")])
+def test_numbers_of_each_scale_are_the_instants_of_astropy(scale, form):
+    wanted = Time(["1999-01-01T00:00:10", "2016-12-31T23:59:58", "2017-01-01T00:00:03", "2024-05-05"], scale="utc")
+    numbers = getattr(wanted, form)
+    epoch = 315964800.0 if scale == "GPS" else 0.0  # 1980-01-06
+    times, bad, _ = instants([repr(float(number)) for number in numbers], 1.0, epoch, scale)
+    assert bad is None
+    np.testing.assert_allclose(times, (wanted.tai - Time("1970-01-01", scale="tai")).sec, atol=1e-5)
 
 
 def test_the_run_starts_at_a_date_whatever_the_scale_of_the_rows(tmp_path):
