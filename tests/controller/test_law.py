@@ -104,6 +104,7 @@ def test_closed_loop_obeys_the_error_dynamics(reference, rng):
 @pytest.mark.parametrize(
     ("reference", "rotation", "Omega"), [("lvlh", SAMPLES[3], [1.2, -0.9, 0.7]), ("rate", SAMPLES[6], [-2.0, 1.0, 1.5])]
 )
+@pytest.mark.thorough
 def test_a_tumble_settles_and_its_lyapunov_value_never_rises(reference, rotation, Omega):
     p = loop.law(reference=reference)
     solution = loop.fly(p, rotation, np.array(Omega), 60.0)

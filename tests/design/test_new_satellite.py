@@ -161,6 +161,7 @@ def test_each_file_uses_values_that_are_declared_and_all_are_used():
     assert {name for name in found.values if f"@{name}@" in text} == set(found.values) - followed
 
 
+@pytest.mark.thorough
 def test_a_mass_in_the_place_of_inertia_is_that_of_a_homogeneous_box(tmp_path):
     """Closed form: of 4 kg, 10 by 10 by 34 cm, m (a2 + b2)/12."""
     assert made(tmp_path / "cube", inertia=None, mass="4 kg").exit_code == 0

@@ -27,6 +27,7 @@ from .host import Host
 from .toy import toy
 
 
+@pytest.mark.thorough
 def test_the_same_sources_give_the_same_bytes_in_another_folder_process_and_order_of_hashing(
     built_fmus: dict[str, Path], tmp_path: Path
 ) -> None:

@@ -132,6 +132,7 @@ def fmus() -> dict[str, dict[str, Path]]:
 
 
 @pytest.mark.parametrize("name", some(["paper_no_singularity", "paper_singularity"], "paper_singularity"))
+@pytest.mark.thorough
 def test_the_papers_manoeuvres_agree_in_every_port(name: str, fmus: dict[str, dict[str, Path]]) -> None:
     source = load_scenario(ROOT / "scenarios" / f"{name}.yaml").source
     results = {}

@@ -40,6 +40,7 @@ def test_the_minimum_meets_the_conditions_of_optimality():
 
 
 @pytest.mark.parametrize("method", ["bvls", "trf"])
+@pytest.mark.thorough
 def test_scipy_finds_nothing_better_and_the_same_point_where_it_is_as_good(method):
     """SciPy's solvers stop early now and then; a lower cost than ours would be an error of ours."""
     same = 0

@@ -84,6 +84,7 @@ def by_ppigrf(date, degree, latitude, longitude, height):
 @pytest.mark.parametrize(
     ("year", "degree"), [(2000, 13), (2003, 13), (2009, 13), (2009, 10), (2009, 1), (2015, 4), (2029, 13)]
 )
+@pytest.mark.thorough
 def test_igrf_is_ppigrfs(year, degree, rng):
     date = datetime(year, 1, 1, tzinfo=UTC)
     for place in places(rng):

@@ -55,6 +55,7 @@ def acting(it, inputs, times, steps):
 
 @pytest.mark.parametrize("master", MASTERS)
 @pytest.mark.parametrize(("h", "period"), [(0.1, 0.5), (0.1, 0.3), (0.05, 0.5), (1.0 / 30.0, 0.1), (0.7, 0.7)])
+@pytest.mark.thorough
 def test_each_sample_acts_at_the_same_step_whatever_the_rounding_of_the_master_s_time(master, h, period):
     """The time of sums drifts by many times the rounding that a comparison without tolerance bears."""
     every, n = round(period / h), 90

@@ -97,6 +97,7 @@ def test_the_vector_tells_an_empty_block_from_a_right_one(c_kit):
 
 
 @needs_compiler
+@pytest.mark.thorough
 def test_orchestrate_plays_the_vector_too(c_kit):
     block, folder = c_kit
     from fmus.build import ensure
@@ -128,6 +129,7 @@ def test_a_kit_packs_reference_data_that_are_played_and_tell_a_later_change(tmp_
 
 
 @pytest.mark.parametrize("options", [[], ["--lang", "python"], ["--link"], ["--link", "--lang", "python"]])
+@pytest.mark.thorough
 def test_the_commands_it_prints_hold_in_a_folder_whose_name_has_a_space(tmp_path, options):
     folder = tmp_path / "my kit"
     told = orchestrate("new", "allocator", folder, *options).stdout

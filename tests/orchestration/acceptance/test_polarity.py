@@ -254,6 +254,7 @@ def test_a_team_s_quaternion_with_its_scalar_last_is_proposed_and_mended_without
 
 
 @pytest.mark.compile
+@pytest.mark.thorough
 def test_no_cause_is_named_where_it_leaves_more_than_a_hundredth(tmp_path):
     fmu = teams.build("other law", tmp_path)
     told = orchestrate(

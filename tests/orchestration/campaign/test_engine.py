@@ -70,6 +70,7 @@ def test_a_stopped_campaign_goes_on_where_it_was(toy):
 
 
 @pytest.mark.isolate
+@pytest.mark.thorough
 def test_a_killed_client_goes_on_where_it_was(toy):
     fly(toy)
     code = (

@@ -30,6 +30,7 @@ def flipped(path: Path, bit: int) -> None:
     path.write_bytes(content)
 
 
+@pytest.mark.thorough
 def test_each_flipped_bit_is_named_with_its_file(tmp_path):
     folder, choose = synthetic.write(tmp_path / "c", 40, analyses=False), random.Random(1)
     files = [folder / sums.MANIFEST, *(folder / "runs").iterdir()]

@@ -73,6 +73,7 @@ def campaign(tmp_path, monkeypatch):
     return path
 
 
+@pytest.mark.thorough
 def test_sobol_indices_and_worst_case_of_ishigamis_function_through_an_fmu(campaign):
     done = CliRunner().invoke(main, ["campaign", str(campaign), "--workers", "0", "--out", "out"])
     assert done.exit_code == 0, done.output
@@ -127,6 +128,7 @@ def test_runs_that_are_added_to_those_announced_are_another_end_and_the_bounds_a
         assert verdict["low"] == (elsewhere(*there, 0.5, 0.95, 20) if early else fixed(*there, 0.95)).low
 
 
+@pytest.mark.thorough
 def test_a_search_on_a_manoeuvre_of_the_paper_finds_a_worse_case_than_as_many_random_runs(tmp_path):
     path = tmp_path / "rods.yaml"
     path.write_text(

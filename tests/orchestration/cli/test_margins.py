@@ -72,6 +72,7 @@ def test_wrong_options_are_refused_with_their_place(loop):
         assert message in result.output
 
 
+@pytest.mark.thorough
 def test_multipliers_of_the_loop_are_those_of_its_pole(loop):
     options = ("--at", "motor.voltage", "--when", "1 s", "--orbit", "4 s", "--state", "motor.speed")
     result = orchestrate(

@@ -38,6 +38,7 @@ def in_the_base_install(*arguments, **variables):
     return subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
 
 
+@pytest.mark.thorough
 def test_help_and_completion_need_no_optional_package():
     told = in_the_base_install("--help")
     assert (told.returncode, told.stderr) == (0, "")

@@ -41,6 +41,7 @@ def test_an_export_that_fails_leaves_the_earlier_file(loop, arguments, monkeypat
         (("fmus", "--copy", "k"), f"{Path('k', 'plant.fmu')} cannot be written: the disk is full"),
     ],
 )
+@pytest.mark.thorough
 def test_a_full_disk_is_told_of_the_place_that_was_to_be_written(arguments, message, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(whole, "sync", full)
@@ -68,6 +69,7 @@ def test_a_kit_on_a_full_disk_leaves_nothing_and_is_told_of_its_folder(folder, t
 
 
 @pytest.mark.parametrize("error", [CompilerError("no compiler"), KeyboardInterrupt()], ids=["compiler", "Ctrl-C"])
+@pytest.mark.thorough
 def test_a_kit_that_cannot_be_made_leaves_nothing_and_one_that_is_there_is_kept(error, tmp_path, monkeypatch):
     def fail(*_):
         raise error

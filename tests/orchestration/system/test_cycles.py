@@ -131,6 +131,7 @@ def test_a_campaign_whose_runs_have_orbits_of_their_own_says_by_which_times_are_
 
 
 @pytest.mark.parametrize("scenario", sorted(SCENARIOS.glob("*.yaml")), ids=lambda path: path.stem)
+@pytest.mark.thorough
 def test_shipped_scenarios_state_the_period_of_their_orbit(scenario):
     loaded = load(scenario)
     assert open_scenario(loaded).plan.scenario.cycle == loaded.cycle

@@ -188,6 +188,7 @@ def test_an_output_that_theirs_lacks_is_an_error_only_where_an_input_needs_it(he
     assert "other blocks need it" in result.stderr
 
 
+@pytest.mark.thorough
 def test_compare_gives_theirs_what_was_connected(here):
     result = orchestrate("compare", "delayed.yaml", "--swap", "allocator=vendor.fmu", "--out", "out")
     assert result.exit_code in (0, 1), result.output

@@ -94,6 +94,7 @@ def test_what_is_no_address_of_a_scheduler_is_refused_at_once(toy, address, monk
         fly(toy, "out", address)
 
 
+@pytest.mark.thorough
 def test_a_cluster_gives_the_bits_of_one_process_also_where_a_worker_dies(toy, scheduler, tmp_path):
     code = KILLER.format(mark=str(tmp_path / "killed"), always=9.0, once=1.8)
     Path("deadly.py").write_text(code, "utf-8")
