@@ -155,7 +155,7 @@ def estimator(jobs: int, runs: int) -> None:
 @click.option("--flown", is_flag=True, help="Fly the tumbles of docs/evidence/optimum.csv anew; their best times stay.")
 @click.option("--page", is_flag=True, help="Write page and figure from docs/evidence/optimum.csv, without searching.")
 def optimum(cases: int, flown: bool, page: bool) -> None:
-    """Search the least time of tumbles by optimal control, for docs/evidence/optimum.md: about half a minute each,
+    """Search the least time of tumbles by optimal control, for docs/evidence/optimum.md: about a minute each,
     one process.
 
     What is in docs/evidence/optimum.csv is not searched again. Needs the package casadi (pip install casadi).
@@ -166,7 +166,7 @@ def optimum(cases: int, flown: bool, page: bool) -> None:
         from .optimum.make import fly_again, make  # CasADi, which this command alone needs  # noqa: PLC0415
 
         file = ROOT / "docs" / "evidence" / FILE
-        for line in fly_again(file) if flown else make(cases, file):
+        for line in fly_again(file) if flown else make(range(cases), file):
             say(line)
     say(f"written: {least_times.publish()}")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .. import files
 
-FILE = "optimum.csv"
+FILE, OTHERS = "optimum.csv", "optimum_others.csv"
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,7 @@ class Line:
     start: str
     feasible: int
     tried: int
+    """Starts of the whole motion."""
     rods_best: float
     rods_flown: float
     wheel_best: float
@@ -35,9 +36,20 @@ class Line:
     check_rate_rad_s: float
     check_gap_deg: float
     held_on: bool
-    turned: bool
-    """Whether the search was made again from the best with a turn more."""
     seconds: float
+
+
+@dataclass(frozen=True)
+class Other:
+    """A motion of another search that the plant confirmed, open loop; of it the time alone is known."""
+
+    run: int
+    best_s: float
+
+
+def others(folder: Path) -> dict[int, float]:
+    """By run: the times in s that another search found, in the folder of FILE."""
+    return {one.run: one.best_s for one in files.load_if_any(Other, folder / OTHERS, "git checkout")}
 
 
 def load(file: Path) -> list[Line]:

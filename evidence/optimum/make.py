@@ -4,26 +4,34 @@ docs/evidence/optimum.csv from them. Tests: tests/evidence/optimum/test_least_ti
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..flight.bound import bound, starts
 from ..flight.cases import SEEDS, Group, tumbles
-from ..paper import FOLDER, Array
+from ..paper import Array
 from .check import Check, check
 from .courses import Course
 from .flown import Flight, fly
 from .kept import Line, load, save
-from .search import Found, again, refined, search, search_after
+from .problem import WIDE
+from .search import Found, refined, search, search_after
 
-TURNS = 6
-"""Starts of the second search."""
+OF_BEST = (
+    "best_s",
+    "start",
+    "rods_best",
+    "wheel_best",
+    "check_angle_deg",
+    "check_rate_rad_s",
+    "check_gap_deg",
+    "held_on",
+)
+"""What a line says of the best motion."""
 
 
 def group(runs: int) -> Group:
@@ -31,28 +39,27 @@ def group(runs: int) -> Group:
     return tumbles("nominal", SEEDS["nominal"], runs)
 
 
-def make(runs: int, file: Path) -> Iterator[str]:
-    """Writes a line for each of the first so many tumbles to `file`, and tells of each; then searches again from the
-    best of each.
+def make(runs: Iterable[int], file: Path) -> Iterator[str]:
+    """Writes a line for each of these tumbles to `file`, and tells of each.
 
-    What is there already is kept. A tumble without a motion that the plant confirms has no line.
+    What was found from WIDE starts is kept; of another line the shorter motion stays. A tumble without a motion that
+    the plant confirms has no line.
     """
     lines = {line.run: line for line in load(file)} if file.is_file() else {}
-    wanted = group(runs)
-    for run in range(runs):
-        if run not in lines:
-            line = _first(run, wanted)
-            if isinstance(line, str):
-                yield f"{run}: {line}"
-                continue
-            lines[run] = line
-            save(file, list(lines.values()))
-            yield f"{run}: best found {line.best_s:.0f} s, flown {line.flown_s:.0f} s"
-    for run, line in sorted(lines.items()):
-        if not line.turned and _file(run).is_file():
-            lines[run] = _second(line, wanted)
-            save(file, list(lines.values()))
-            yield f"{run}: best found {lines[run].best_s:.0f} s, before {line.best_s:.0f} s"
+    runs = list(runs)
+    wanted = group(max(runs) + 1)
+    for run in runs:
+        old = lines.get(run)
+        if old is not None and old.tried >= WIDE:
+            continue
+        line = _line(run, wanted, old)
+        if line is None:
+            yield f"{run}: no motion that the plant confirms"
+            continue
+        lines[run] = line
+        save(file, list(lines.values()))
+        before = "" if old is None else f", before {old.best_s:.0f} s"
+        yield f"{run}: best found {line.best_s:.0f} s, flown {line.flown_s:.0f} s{before}"
 
 
 def fly_again(file: Path) -> Iterator[str]:
@@ -67,43 +74,31 @@ def fly_again(file: Path) -> Iterator[str]:
         yield f"{line.run}: best found {line.best_s:.0f} s, flown {flight.settled:.0f} s, before {line.flown_s:.0f} s"
 
 
-def _first(run: int, wanted: Group) -> Line | str:
-    """The line of a tumble, or why there is none."""
+def _line(run: int, wanted: Group, old: Line | None) -> Line | None:
+    """The line of a tumble with the shortest motion that the plant confirms, or the old line's; None without one."""
     flight = fly(wanted, run)
     found = search(flight)
-    if found is None:
-        return "no motion found"
-    whole, seen = _checked(flight, found.whole, wanted)
-    if not seen.held_on:
-        return f"not confirmed by the plant: {seen}"
+    best = None if old is None else {name: getattr(old, name) for name in OF_BEST}
+    for whole in found.wholes:
+        if old is not None and whole.course.end >= old.best_s:
+            break
+        whole, seen = _checked(flight, whole, wanted)
+        if seen.held_on:
+            best = _of(whole, seen)
+            break
+    if best is None:
+        return None
     least = bound(starts(wanted)[run])
-    _keep(run, whole.course)
     return Line(
         run=run,
         initial_rate_deg_s=float(np.degrees(np.linalg.norm(flight.plant.omega_B0))),
         bound_s=math.nan if least is None else least,
-        feasible=whole.feasible,
-        tried=whole.tried + (0 if found.after is None else found.after.tried),
-        turned=False,
+        feasible=len(found.wholes),
+        tried=found.tried,
         seconds=found.seconds,
         **_of_flight(flight, found.after),
-        **_of(whole, seen),
+        **best,
     )
-
-
-def _second(line: Line, wanted: Group) -> Line:
-    """The line after the search from its best."""
-    began = time.process_time()
-    flight = fly(wanted, line.run)
-    found = again(flight, _kept(line.run))
-    new = replace(line, turned=True, tried=line.tried + TURNS)
-    if found is not None:
-        new = replace(new, feasible=line.feasible + found.feasible)
-        whole, seen = _checked(flight, found, wanted)
-        if whole.course.end < line.best_s and seen.held_on:
-            _keep(line.run, whole.course)
-            new = replace(new, **_of(whole, seen))
-    return replace(new, seconds=line.seconds + time.process_time() - began)
 
 
 def _of(whole: Found, seen: Check) -> dict[str, Any]:
@@ -147,18 +142,3 @@ def _of_flight(flight: Flight, after: Found | None) -> dict[str, Any]:
         "rods_flown": float(use[:3].mean()),
         "wheel_flown": float(use[3]),
     }
-
-
-def _file(run: int) -> Path:
-    return FOLDER / "optimum" / f"{run}.npz"
-
-
-def _keep(run: int, course: Course) -> None:
-    _file(run).parent.mkdir(parents=True, exist_ok=True)
-    Q = course.attitudes.as_matrix()
-    np.savez(_file(run), times=course.times, Q=Q, Omega=course.Omega, l_w=course.l_w, u=course.u)
-
-
-def _kept(run: int) -> Course:
-    with np.load(_file(run)) as of:
-        return Course(of["times"], Rotation.from_matrix(of["Q"]), of["Omega"], of["l_w"], of["u"])

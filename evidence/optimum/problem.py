@@ -19,3 +19,5 @@ INTERVAL, FINE = 5.0, 2.5
 """Longest interval of constant commands, s; where the check fails, the finer one."""
 HELD, FEWEST = 12, 16
 """Intervals of HOLD, and least number of them before it."""
+WIDE = 15
+"""Least number of starts of a search."""

@@ -5,8 +5,6 @@ Each test is a state with the inputs that lead there, leave it and come back, an
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -14,47 +12,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.blocks import inputs, module, parameters
+from tests.blocks import inputs, parameters
 from tests.estimator.test_estimator import LIT, seen_by
 
-from .driver import Instance
+from .twice import FLAVOURS
 
-Step = Callable[[Any], dict[str, Any]]
 H = 1e-3
-
-
-@contextmanager
-def python(block: str, p: Any, u: Any) -> Iterator[Step]:
-    code = module(block)
-    state = code.start(p, u)
-
-    def step(u: Any) -> dict[str, Any]:
-        nonlocal state
-        state, y = code.step(state, u, p, H)
-        return {name: getattr(y, name) for name in y.__dataclass_fields__}
-
-    yield step
-
-
-@contextmanager
-def native(block: str, p: Any, u: Any) -> Iterator[Step]:
-    with Instance(block) as it:
-        it.set_all(p)
-        it.set_all(u)
-        it.initialize()
-        count = 0
-
-        def step(u: Any) -> dict[str, Any]:
-            nonlocal count
-            it.set_all(u)
-            it.step(count * H, H)
-            count += 1
-            return it.outputs()
-
-        yield step
-
-
-FLAVOURS = [python, pytest.param(native, marks=pytest.mark.compile)]
 DARK = np.zeros(3)
 R = Rotation.random(random_state=7).as_matrix()
 
@@ -70,7 +33,7 @@ def estimator_() -> tuple[Any, Any, Any]:
 def test_only_rejections_in_a_row_end_the_filter_and_it_starts_again_as_often_as_it_is_lost(flavour, estimator_):
     """30 wrong fields and 30 right ones in turn leave it; 50 wrong ones in a row end it, the first time and later."""
     p, good, wrong = estimator_
-    with flavour("estimator", p, good) as step:
+    with flavour("estimator", p, good, H) as step:
         for _ in range(20):
             step(good)
         rejected = 0
@@ -99,7 +62,7 @@ def test_a_sun_sensor_sees_nothing_in_each_shadow_and_the_sun_after_it(flavour):
     for kind in ("fine", "coarse"):
         p = parameters("plant_sensors", sun_sensor=kind, fine_sun_axis_B=[0.0, 0.0, 1.0], fine_sun_half_angle=1.0)
         lit = inputs("plant_sensors", R_NB=np.eye(3), r_N=[7e6, 0.0, 0.0], sun_N=[0.28, 0.0, 0.96], sunlight=1.0)
-        with flavour("plant_sensors", p, lit) as step:
+        with flavour("plant_sensors", p, lit, H) as step:
             for sunlight in (1.0, 0.0, 0.0, 1.0, 0.0, 1.0):
                 y = step(replace(lit, sunlight=sunlight))
                 assert y["sun_B_measured"] == pytest.approx(sunlight * np.array(lit.sun_N), abs=1e-12), (kind, sunlight)
@@ -110,7 +73,7 @@ def test_a_sun_sensor_sees_nothing_in_each_shadow_and_the_sun_after_it(flavour):
 def test_a_drop_out_of_position_is_bridged_from_the_last_sample_each_time(flavour, estimator_):
     p, good, _ = estimator_
     lost = replace(good, r_N_measured=DARK, v_N_measured=DARK)
-    with flavour("estimator", p, good) as step:
+    with flavour("estimator", p, good, H) as step:
         for _ in range(2):
             at = step(good)["r_N"]
             for count in range(1, 6):

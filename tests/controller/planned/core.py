@@ -36,7 +36,7 @@ def library() -> ctypes.CDLL:
     """The controller's C with the probe as a shared library."""
     texts = generated_sources(load(_BLOCK), NATIVE.parent)
     sources = sorted(NATIVE.rglob("*.c"))
-    probes = [Path(__file__).with_name(name) for name in ("probe.c", "probe_inputs.c")]
+    probes = [Path(__file__).with_name(name) for name in ("probe.c", "probe_inputs.c", "probe_watches.c")]
     common = [ROOT / "fmus" / "native" / "common", NATIVE]
     host = host_platform()
 
@@ -302,6 +302,50 @@ def after_glitch(rate: float, after: int, heavier: float = 1.0, **inputs: Any) -
     p, u = filled(_BLOCK, "parameter", J_B=J_B), filled(_BLOCK, "input", **inputs)
     assert library().probe_glitch(byref(p), byref(u), c_double(rate), after, byref(y))
     return {v.name: np.array(getattr(y, v.name)) for v in load(_BLOCK).of("output")}
+
+
+def _flags(n: int) -> tuple[Any, Any]:
+    """A C array of n flags to be written to, and its values."""
+    room = (c_ubyte * n)()
+    return room, lambda: np.array(room, bool)
+
+
+def rods_suspected(
+    dt: float, T: float, pause: float, effect: float, body: Array, innovations: Array, begun: Array
+) -> Array:
+    """Whether a rod is suspected at each of n samples, of rates body (n,) and innovations (n, 3) of variance 1; where
+    begun (n,) the filter begins anew before it."""
+    n, (room, values) = len(body), _flags(len(body))
+    flags = (c_ubyte * n)(*np.asarray(begun).astype(int).tolist())
+    numbers = [c_double(value) for value in (dt, T, pause, effect)]
+    library().probe_watch_rods(*numbers, n, doubles(body), doubles(innovations), flags, room)
+    return values()
+
+
+def attitudes_frozen(dt: float, T: float, noise: float, R: Array, Omega: Array) -> tuple[Array, Array]:
+    """Whether each of n attitudes (n, 3, 3) is frozen, at rates (n, 3), and what stands in for them (n, 3, 3)."""
+    n = len(R)
+    (flags, frozen), (room, turned) = _flags(n), room_for(n, 3, 3)
+    numbers = [c_double(value) for value in (dt, T, noise)]
+    library().probe_watch_attitude(*numbers, n, doubles(R), doubles(Omega), flags, room)
+    return frozen(), turned()
+
+
+def fields_failed(dt: float, T: float, tolerance: float, b_B: Array, model_B: Array) -> Array:
+    """Whether the measured field has failed at each of n samples, (n, 3) each."""
+    room, values = _flags(len(b_B))
+    numbers = [c_double(value) for value in (dt, T, tolerance)]
+    library().probe_watch_field(*numbers, len(b_B), doubles(b_B), doubles(model_B), room)
+    return values()
+
+
+def wheel_failed(dt: float, T: float, torque: Array, h_w: Array, h_w_next: Array) -> tuple[Array, Array]:
+    """Whether the default wheel has failed, and is stuck, at each of n samples (n,)."""
+    n, p = len(torque), filled(_BLOCK, "parameter")
+    (a, failed), (b, stuck) = _flags(n), _flags(n)
+    given = doubles(torque), doubles(h_w), doubles(h_w_next)
+    library().probe_watch_wheel(byref(p), c_double(dt), c_double(T), n, *given, a, b)
+    return failed(), stuck()
 
 
 def sizes() -> tuple[int, int]:

@@ -97,24 +97,28 @@ def test_without_attitude_and_field_nothing_is_done_but_for_the_wheel(absent):
     assert y["wheel_torque_ff"] < 0.0
 
 
-def test_a_reference_that_goes_ends_the_plan_and_one_that_comes_begins_the_search_anew():
+def test_a_reference_that_goes_ends_the_plan_and_one_that_comes_begins_the_search_anew_each_time():
     with started(to_lvlh) as it:
         assert run(it, 0.0, SEARCHED, inputs=to_lvlh)[-1]["phase"] == 2
         gone = {"R_ref": ZEROS, "Omega_ref": np.zeros(3), "dOmega_ref": np.zeros(3)}
-        y = run(it, SEARCHED, SEARCHED + 2.0, inputs=lambda t: {**near_target(t), **gone})[-1]
-        assert (y["phase"], y["plan_cost"]) == (4, 0.0)
-        back = run(it, SEARCHED + 2.0, 2 * SEARCHED + 4.0, inputs=to_lvlh)
-        assert back[0]["phase"] == 1
-        assert back[-1]["phase"] == 2
+        for t in (SEARCHED, 2.0 * SEARCHED + 4.0):
+            y = run(it, t, t + 2.0, inputs=lambda t: {**near_target(t), **gone})[-1]
+            assert (y["phase"], y["plan_cost"]) == (4, 0.0)
+            back = run(it, t + 2.0, t + SEARCHED + 4.0, inputs=to_lvlh)
+            assert back[0]["phase"] == 1
+            assert back[-1]["phase"] == 2
 
 
-def test_an_attitude_that_is_lost_and_found_begins_the_plan_anew():
+def test_an_attitude_that_is_lost_and_found_begins_the_plan_anew_each_time():
     with started(to_lvlh) as it:
         run(it, 0.0, 10.0, inputs=to_lvlh)
-        assert run(it, 10.0, 12.0, inputs=lost(to_lvlh))[-1]["no_attitude"]
-        y = run(it, 12.0, 12.5, inputs=to_lvlh)[-1]
-        assert not y["no_attitude"]
-        assert y["phase"] in (1, 2)
+        for t in (10.0, 20.0):
+            for y in run(it, t, t + 2.0, inputs=lost(to_lvlh)):
+                assert y["no_attitude"]
+                assert y["phase"] == 4
+            y = run(it, t + 2.0, t + 10.0, inputs=to_lvlh)[0]
+            assert not y["no_attitude"]
+            assert y["phase"] in (1, 2)
 
 
 # ------------------------------------------------------------------------------------------- the reference to come

@@ -129,6 +129,16 @@ def test_a_disturbance_that_repeats_is_known_an_orbit_ahead(now):
     assert np.abs(change).max() > 1.5e-5
 
 
+@pytest.mark.parametrize("step", [7.0, 13.0, 61.0])
+def test_the_profiles_nodes_keep_their_times_however_seldom_it_is_sampled(step):
+    """A node is as late as a sample: at most a step times the largest slope, 2.3e-8 N m/s; lateness does not add up
+    over the 64 nodes of an orbit, nor over four orbits."""
+    t = np.arange(0.0, 4.2 * PERIOD, step)
+    ahead = t[-1] + AHEAD - NOW
+    change = core.profile_change(PERIOD, t, drag(t), t >= 0.0, ahead)
+    assert change == pytest.approx(drag(ahead) - drag([t[-1]]), abs=2.0 * step * 2.3e-8 + 1e-7)
+
+
 def test_it_is_taken_to_be_constant_in_the_first_orbit_and_later_than_one_after_the_newest_node():
     first = SAMPLES[SAMPLES < 0.99 * PERIOD]
     assert not core.profile_change(PERIOD, first, drag(first), first >= 0.0, first[-1] + AHEAD - NOW).any()

@@ -5,16 +5,30 @@ from click.testing import CliRunner
 
 from evidence.__main__ import main
 from evidence.optimum import page
-from evidence.optimum.kept import FILE, load, save
+from evidence.optimum.kept import FILE, load, others, save
 from evidence.paper import ROOT
 from orchestration import InputError
 
-LINES = load(ROOT / "docs" / "evidence" / FILE)
-TEXT = (ROOT / "docs" / "evidence" / "optimum.md").read_text("utf-8")
+FOLDER = ROOT / "docs" / "evidence"
+LINES = load(FOLDER / FILE)
+TEXT = (FOLDER / "optimum.md").read_text("utf-8")
 
 
 def test_the_page_is_made_from_the_file():
-    assert page.text(LINES) == TEXT
+    assert page.text(*page.least(LINES, others(FOLDER))) == TEXT
+
+
+def test_of_two_searches_the_lesser_time_counts_tumble_by_tumble():
+    first, second, third = LINES[:3]
+    times = {first.run: first.best_s - 1.0, second.run: second.best_s + 1.0}
+    lines, number = page.least([first, second, third], times)
+    assert number == 1
+    assert [line.best_s for line in lines] == [first.best_s - 1.0, second.best_s, third.best_s]
+
+
+def test_the_times_of_another_search_are_not_below_the_momentum_bound():
+    bounds = {line.run: line.bound_s for line in LINES}
+    assert all(time > bounds[run] for run, time in others(FOLDER).items())
 
 
 def test_no_time_found_is_below_its_momentum_bound_or_later_than_the_flight():
@@ -27,7 +41,7 @@ def test_no_time_found_is_below_its_momentum_bound_or_later_than_the_flight():
 
 def test_a_file_is_read_as_it_was_written(tmp_path):
     save(tmp_path / FILE, LINES[::-1])
-    assert (tmp_path / FILE).read_bytes() == (ROOT / "docs" / "evidence" / FILE).read_bytes()
+    assert (tmp_path / FILE).read_bytes() == (FOLDER / FILE).read_bytes()
 
 
 def test_a_file_of_another_form_is_refused(tmp_path):

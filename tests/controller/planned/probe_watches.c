@@ -1,0 +1,61 @@
+/* The planned controller's watches of rods, sensors and wheel over n samples, for tests: flat arrays in, flat arrays
+ * out. */
+#include "probe_flat.h"
+
+/* Innovations of the rate (n,3) against effects of `effect` rad/s along each axis, of variance 1; the satellite turns
+ * at body[i]. Where begun[i], the filter begins anew before the sample. */
+PROBE void probe_watch_rods(double dt, double T, double pause, double effect, int n, const double *body,
+                            const double *innovations, const unsigned char *begun, unsigned char *suspected)
+{
+    RodsWatch watch;
+    memset(&watch, 0, sizeof watch);
+    watch.pause = pause;
+    watch.effect[0].x = watch.effect[1].y = watch.effect[2].z = effect;
+    for (int i = 0; i < n; ++i) {
+        watch.rate = body[i];
+        if (begun[i]) {
+            controller_planned_pause_watch(&watch);
+        }
+        suspected[i] = controller_planned_watch_rods(dt, T, vector(innovations + 3 * i), 1.0, &watch);
+    }
+}
+
+/* Attitudes (n,9) and rates (n,3): whether each is frozen, and what stands in for it. */
+PROBE void probe_watch_attitude(double dt, double T, double noise, int n, const double *R, const double *Omega,
+                                unsigned char *is_frozen, double *turned_R)
+{
+    SensorsWatch watch;
+    memset(&watch, 0, sizeof watch);
+    for (int i = 0; i < n; ++i) {
+        const Vector before = vector(Omega + 3 * (i > 0 ? i - 1 : 0));
+        controller_planned_watch_attitude(dt, T, noise, nine(R + 9 * i), before, vector(Omega + 3 * i), &watch);
+        is_frozen[i] = watch.attitude_frozen;
+        nine_of(watch.turned_R, turned_R + 9 * i);
+    }
+}
+
+/* Measured and expected fields (n,3): whether each has failed. */
+PROBE void probe_watch_field(double dt, double T, double tolerance, int n, const double *b, const double *model,
+                             unsigned char *failed)
+{
+    SensorsWatch watch;
+    memset(&watch, 0, sizeof watch);
+    for (int i = 0; i < n; ++i) {
+        controller_planned_watch_field(dt, T, tolerance, vector(b + 3 * i), vector(model + 3 * i), &watch);
+        failed[i] = watch.field_failed;
+    }
+}
+
+/* Torques that are asked of a wheel, and its momentum before and after each sample: whether it has failed, or is
+ * stuck. */
+PROBE void probe_watch_wheel(const ControllerPlannedParameters *p, double dt, double T, int n, const double *torque,
+                             const double *l, const double *l_next, unsigned char *failed, unsigned char *stuck)
+{
+    Friction friction;
+    controller_planned_friction_start(p, T, &friction);
+    for (int i = 0; i < n; ++i) {
+        controller_planned_friction_learn(dt, torque[i], l[i], l_next[i], &friction);
+        failed[i] = controller_planned_wheel_failed(&friction);
+        stuck[i] = controller_planned_wheel_stuck(&friction);
+    }
+}

@@ -1,0 +1,122 @@
+"""The planner's watches of rods, sensors and wheel without a flight around them: each time that must pass, the second
+time as the first.
+
+Times are those of docs/how/planned-estimates.md in units of T, here 50 s.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from . import core
+
+T = 50.0
+
+
+def counts(flags):
+    """Lengths of the runs of equal flags, and the first flag."""
+    edges = np.flatnonzero(np.diff(np.asarray(flags).astype(int)))
+    return bool(flags[0]), np.diff(np.concatenate(([-1], edges, [len(flags) - 1]))).tolist()
+
+
+def test_each_pause_of_the_rods_watch_lasts_twice_as_long_as_the_last_one():
+    begun = np.zeros(200, bool)
+    begun[[0, 30, 80]] = True
+    innovations = np.tile([10.0, 0.0, 0.0], (200, 1))
+    suspected = core.rods_suspected(1.0, T, 20.0, 100.0, np.zeros(200), innovations, begun)
+    assert counts(suspected) == (False, [20, 10, 40, 10, 80, 40])
+
+
+def test_after_each_fast_rate_the_rods_are_not_watched_for_ten_T_and_a_longer_pause_stays():
+    """The rate is 15.1/T for two samples, twice, and once more within a pause of 600 s that has 599 s to go."""
+    body = np.zeros(2400)
+    body[[100, 101, 800, 801]] = 15.1 / T
+    body[1500] = 14.9 / T
+    body[1701] = 15.1 / T
+    begun = np.arange(2400) == 1700
+    suspected = core.rods_suspected(1.0, T, 600.0, 100.0, body, np.tile([0.0, 10.0, 0.0], (2400, 1)), begun)
+    assert counts(suspected) == (True, [100, 501, 199, 501, 399, 600, 100])
+
+
+def test_what_was_seen_of_the_rods_before_a_pause_is_forgotten():
+    """A sum of small innovations comes to 25 after so many samples, before the pause and after it."""
+    begun = np.arange(200) == 100
+    suspected = core.rods_suspected(1.0, T, 5.0, 0.02, np.zeros(200), np.tile([0.0, 0.0, 60.0], (200, 1)), begun)
+    first = int(np.argmax(suspected))
+    assert 3 < first < 90
+    assert counts(suspected) == (False, [first, 100 - first, 5 + first, 95 - first])
+
+
+def test_an_attitude_is_frozen_after_the_same_time_at_each_freeze_and_turned_on_from_the_last_one():
+    """0.04 T are 2 s. The attitude moves for 5 s, repeats for 10, and so on."""
+    rate, dt = np.array([0.02, -0.01, 0.015]), 0.5
+    moved = [Rotation.from_rotvec(0.1 * i * np.array([1.0, 2.0, -1.0])).as_matrix() for i in range(30)]
+    R = np.array([moved[10 * j + min(i, 9)] for j in range(3) for i in range(30)])
+    frozen, turned = core.attitudes_frozen(dt, T, 0.0, R, np.tile(rate, (90, 1)))
+    for begin in (0, 30, 60):
+        assert counts(frozen[begin : begin + 30]) == (False, [14, 16]), "until 2 s after the last new attitude"
+        last = R[begin + 9]
+        for i in (9, 14, 29):
+            on = last @ Rotation.from_rotvec(dt * (i - 9) * rate).as_matrix()
+            np.testing.assert_allclose(turned[begin + i], on, atol=1e-12)
+
+
+def test_an_attitude_that_repeats_at_rest_is_not_frozen_until_the_rate_has_turned_it():
+    """1e-3 rad at 1.03e-4 rad/s are 9.7 s; what it turned in an earlier freeze does not count."""
+    R = np.array([np.eye(3)] * 30 + [Rotation.from_rotvec([0.1, 0.0, 0.0]).as_matrix()] * 30)
+    frozen, _ = core.attitudes_frozen(0.5, T, 0.0, R, np.tile([0.0, 1.03e-4, 0.0], (60, 1)))
+    assert counts(frozen) == (False, [20, 10, 20, 10])
+
+
+def test_a_rate_that_jumps_turns_no_attitude_on():
+    """More than 0.02 rad in a sample by the change of the rate: the rate of before is taken."""
+    Omega = np.tile([0.0, 0.01, 0.0], (10, 1))
+    Omega[[4, 7]] = [0.0, 0.5, 0.0]
+    _, turned = core.attitudes_frozen(1.0, T, 0.0, np.array([np.eye(3)] * 10), Omega)
+    steps = [Rotation.from_matrix(a.T @ b).magnitude() for a, b in pairwise(turned)]
+    assert steps[3] == pytest.approx(0.01), "to the sample that jumps"
+    assert steps[6] == pytest.approx(0.01)
+
+
+def test_a_field_that_repeats_has_failed_after_the_same_time_each_time():
+    """0.4 T are 20 s; a shorter repetition before does not count."""
+    changes = np.cumsum(np.isin(np.arange(200), [0, 15, 33, 80, 99, 150]))
+    b_B = np.outer(changes, [1e-9, 2e-9, -1e-9]) + np.array([2e-5, 1e-5, -3e-5])
+    failed = core.fields_failed(1.0, T, 1e-6, b_B, b_B)
+    assert counts(failed) == (False, [54, 26, 40, 30, 21, 29])
+
+
+def test_a_wrong_field_fails_and_is_used_again_as_often_as_it_comes_and_goes():
+    """First-order smoothing over 1.2 T: beyond the tolerance it has failed, below half of it it is used again."""
+    wrong = (np.arange(800) // 200) % 2 == 1
+    spread = 1e-10 * np.arange(800)[:, None]  # no sample repeats
+    model = np.tile([2e-5, 1e-5, -3e-5], (800, 1)) + spread
+    failed = core.fields_failed(1.0, T, 1e-6, model * (1.0 + 0.1 * wrong)[:, None], model)
+    left = 1.0 - 1.0 / 60.0
+    size = 0.1 * np.linalg.norm(model[0])
+    until_failed = int(np.ceil(np.log(1.0 - 1e-6 / size) / np.log(left)))
+    seen = counts(failed)[1]
+    assert not failed[0]
+    assert len(seen) == 4
+    assert seen[0] == pytest.approx(199 + until_failed, abs=2)
+    until_right = np.log(0.5e-6 / (size * (1.0 - left**200))) / np.log(left)
+    assert seen[0] + seen[1] == pytest.approx(400 + until_right, abs=3)
+    # The second time what is left of the first residual, 0.04 of it, brings the limit nearer.
+    assert seen[0] + seen[1] + seen[2] == pytest.approx(599 + until_failed, abs=12)
+
+
+def test_a_wheel_that_gives_nothing_is_stuck_and_one_that_gives_again_is_not_each_time():
+    """It is known after 0.2 of 2 T of such torques, 20 s."""
+    gives = (np.arange(400) // 100) % 2 == 1
+    torque = np.where(np.arange(400) % 2, 3e-3, -3e-3)
+    l_next = np.where(gives, torque, 0.0)
+    failed, stuck = core.wheel_failed(1.0, T, torque, np.zeros(400), l_next)
+    for flags in (failed, stuck):
+        assert not flags[:20].any()
+        assert flags[20:100].all()
+        assert not flags[190]
+        assert flags[290]
+        assert not flags[390]
+    assert not core.wheel_failed(1.0, T, 0.1 * torque, np.zeros(400), np.zeros(400))[0].any(), "too little is asked"

@@ -1,0 +1,259 @@
+"""What controller, allocator, supervisor, judge and sensors remember, reached twice in both flavours.
+
+The witnesses are a fresh instance that gets there for the first time, and counts of steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from supervisor.ports import ACQUIRE, INERTIAL, NADIR, SAFE, SLEW, SUN, TARGET
+from supervisor.reference import EARTH_RATE
+from tests.blocks import inputs, parameters
+from tests.supervisor.test_modes import GIVEN, TIMES
+
+from .driver import Refused
+from .twice import FLAVOURS, Step
+
+pytestmark = pytest.mark.parametrize("flavour", FLAVOURS)
+H = 1.0
+QUICK = {"slew_rate_max": 0.1, "slew_torque_max": 0.1}
+ZEROS = np.zeros((3, 3))
+
+
+def turned(*rotvec: float) -> Any:
+    return Rotation.from_rotvec(rotvec).as_matrix()
+
+
+# ---------------------------------------------------------------- controller and allocator
+
+
+def test_gains_are_scheduled_from_the_errors_with_which_each_attitude_came_back(flavour):
+    """kappa0 (a1 + angle)/(a2 + angle_0), lambda0 (c1 + rate)/(c2 + rate_0) with the paper's gains, of [10]."""
+    p, u = parameters("controller", reference="inertial"), inputs("controller", R_ref=np.eye(3))
+    u = replace(u, Omega_ref=np.zeros(3), dOmega_ref=np.zeros(3))
+    with flavour("controller", p, replace(u, R_NB=turned(0.5, 0.0, 0.0)), H) as step:
+        for angle_0, rate_0 in ((0.5, 0.2), (1.5, 0.1), (0.5, 0.2), (2.5, 0.0)):
+            assert step(replace(u, R_NB=ZEROS))["no_attitude"]
+            for angle, rate in ((angle_0, rate_0), (0.3, 0.05), (1.0, 0.3)):
+                y = step(replace(u, R_NB=turned(0.0, angle, 0.0), omega_B=np.array([rate, 0.0, 0.0])))
+                assert y["gain_k"] == pytest.approx(0.098 * (3.5 + angle) / (35.0 + angle_0), rel=1e-12)
+                assert y["gain_l"] == pytest.approx(1.47 * (2.1 + rate) / (21.0 + rate_0), rel=1e-12)
+
+
+def test_a_hold_holds_the_command_before_it_each_time(flavour):
+    p = parameters("allocator")
+    u = inputs("allocator", b_B=[2e-5, 1e-5, -3e-5])
+    demand = np.array([3e-5, -2e-5, 4e-5])
+    with flavour("allocator", p, u, H) as step:
+        for share in (1.0, -0.5, 0.3):
+            before = step(replace(u, tau_cmd_B=share * demand))
+            assert not before["holding"]
+            for _ in range(2):
+                held = step(replace(u, tau_cmd_B=1e3 * demand))
+                assert held["holding"]
+                for name in ("dipole_cmd", "wheel_torque_cmd"):
+                    np.testing.assert_array_equal(held[name], before[name])
+
+
+def test_zeros_for_an_attitude_are_taken_before_the_first_one_and_refused_after_it(flavour):
+    """Where no reference is connected: each flight anew."""
+    for block in ("controller", "plant_judge"):
+        p, good = parameters(block), inputs(block)
+        for _ in range(2):
+            with flavour(block, p, replace(good, R_NB=ZEROS), H) as step:
+                for _ in range(2):
+                    step(replace(good, R_NB=ZEROS))
+                for _ in range(2):
+                    step(good)
+                with pytest.raises((ValueError, Refused)):
+                    step(replace(good, R_NB=ZEROS))
+
+
+# ---------------------------------------------------------------- supervisor
+
+
+class Flight:
+    """A satellite that is where it should be, unless its inputs say otherwise."""
+
+    def __init__(self, step: Step, u: Any) -> None:
+        self._step, self.u = step, u
+        self.y = step(u)
+
+    def fly(self, steps: int = 1, **changes: Any) -> int:
+        """The mode after so many steps."""
+        for _ in range(steps):
+            u = self.u
+            if np.any(self.y["R_ref"]):
+                u = replace(u, R_NB=self.y["R_ref"], omega_B=self.y["Omega_ref"])
+            self.y = self._step(replace(u, **changes))
+        return int(self.y["mode"])
+
+    def to(self, mode: int, **changes: Any) -> int:
+        """How many steps it takes to get there."""
+        return next(n for n in range(1, 5000) if self.fly(**changes) == mode)
+
+    def visit(self, steps: int, **changes: Any) -> list[Any]:
+        """Mode and reference of each of so many steps."""
+        return [(self.fly(**changes), self.y["R_ref"].copy(), self.y["Omega_ref"].copy()) for _ in range(steps)]
+
+
+FAST, BLIND, OFF = {"omega_B": np.array([0.5, 0.0, 0.0])}, {"R_NB": ZEROS}, {"R_NB": turned(2.0, 1.0, 0.5)}
+TIMERS: dict[str, tuple[int, dict[str, Any], int, int]] = {
+    "fast": (NADIR, FAST, 5, SAFE),
+    "blind": (NADIR, BLIND, 6, SAFE),
+    "off": (NADIR, OFF, 3, ACQUIRE),
+    "calm": (SAFE, {}, 5, ACQUIRE),
+    "settled": (ACQUIRE, {}, 4, NADIR),
+}
+"""From a mode, under these inputs, after so many steps without a break, to another mode; TIMES has them."""
+BREAK = {"calm": FAST, "settled": OFF}
+"""What breaks it; else a step in which all is well."""
+
+
+@pytest.mark.parametrize("name", TIMERS)
+def test_a_time_that_must_pass_begins_anew_after_each_break(flavour, name):
+    mode, cause, steps, to = TIMERS[name]
+    p = parameters("supervisor", **TIMES)
+    with flavour("supervisor", p, inputs("supervisor", **GIVEN), H) as step:
+        flight = Flight(step, inputs("supervisor", **GIVEN))
+        for _ in range(2):
+            flight.to(NADIR)
+            if mode == SAFE:
+                flight.fly(command=SAFE, **FAST)
+            elif mode == ACQUIRE:
+                flight.to(ACQUIRE, **OFF)
+            for _ in range(3):
+                assert flight.fly(**BREAK.get(name, {})) == mode
+                assert flight.fly(steps - 1, **cause) == mode
+            assert flight.fly(1, **cause) == to
+
+
+def test_each_mode_is_come_to_and_left_the_second_time_as_the_first(flavour):
+    """Position, Sun and light stay: nothing but what is remembered could make a difference."""
+    p, u = parameters("supervisor", **TIMES, **QUICK, sun_axis_B=[0.6, 0.0, 0.8]), inputs("supervisor", **GIVEN)
+    goals = (turned(0.4, -0.2, 0.3), turned(-1.2, 0.7, 2.0))
+    with flavour("supervisor", p, u, H) as step:
+        flight = Flight(step, u)
+        flight.to(NADIR)
+        rounds = []
+        for _ in range(3):
+            seen = flight.visit(120, command=INERTIAL, R_goal=goals[0])
+            seen += flight.visit(120, command=INERTIAL, R_goal=goals[1])
+            seen += flight.visit(30, command=SUN)  # left during the slew
+            seen += flight.visit(120, command=SUN, sunlight=0.0)
+            seen += flight.visit(120, command=SUN)
+            seen += flight.visit(9, command=SAFE)
+            seen += flight.visit(20, command=NADIR)
+            rounds.append([np.array(column) for column in zip(*seen, strict=True)])
+    assert set(rounds[0][0]) == {SAFE, ACQUIRE, SLEW, NADIR, INERTIAL, SUN}
+    for later in rounds[1:]:
+        for one, first in zip(later, rounds[0], strict=True):
+            np.testing.assert_allclose(one, first, atol=1e-9)
+
+
+def test_another_point_on_the_ground_is_looked_at_each_time(flavour):
+    """The points are given where the Earth's turn brings them to the same place."""
+    p, u = parameters("supervisor", **TIMES, **QUICK), inputs("supervisor", **GIVEN)
+    rounds = []
+    with flavour("supervisor", p, u, H) as step:
+        flight = Flight(step, u)
+        n = 1 + flight.to(NADIR)
+        for _ in range(3):
+            seen = []
+            for latitude in (0.1, -0.2):
+                at = {"target_latitude": latitude, "target_longitude": 0.5 - EARTH_RATE * H * n}
+                seen += flight.visit(100, command=TARGET, **at)
+                n += 100
+            rounds.append(np.array([R for _, R, _ in seen]))
+            assert seen[-1][0] == TARGET
+    np.testing.assert_allclose(rounds[2], rounds[1], atol=1e-9)
+    assert np.linalg.norm(rounds[1][-1] - rounds[1][99]) > 0.2
+
+
+# ---------------------------------------------------------------- supervisor: the field in the mode safe
+
+
+RATE_N = np.array([0.0, 2e-3, 5e-4])
+CALM = {"rate_time": 5.0, "safe_time": 50.0, "safe_pointing": "field", "rate_acquire": 0.5, "rate_lost": 1.0}
+
+
+def in_field(
+    t: float, R: Any, omega_B: Any = (0.0, 0.0, 0.0), rate: Any = RATE_N, about: Any = (0.0, 0.0, 3e-5)
+) -> Any:
+    """Inputs without an attitude in a field that turns."""
+    b_N = Rotation.from_rotvec(t * rate).apply(about)
+    return inputs("supervisor", R_NB=ZEROS, attitude_valid=False, b_B=R.T @ b_N, omega_B=np.array(omega_B))
+
+
+def test_the_rate_of_the_field_turns_with_the_body_each_time(flavour):
+    """After a turn by 90 deg in 9 s, a fifth of the filter's time, the field's rate is asked for in the body's axes of
+    now, and so after the next turn; what a proportional law asks for is taken off."""
+    p = parameters("supervisor", **CALM)
+    R, spin = np.eye(3), np.array([0.0, 0.0, np.pi / 18.0])
+    with flavour("supervisor", p, in_field(0.0, R), H) as step:
+        t = 0.0
+        for seconds, rate in ((400, 0.0 * spin), (9, spin), (1, 0.0 * spin), (9, spin), (1, 0.0 * spin)):
+            for _ in range(seconds):
+                t, R = t + H, R @ Rotation.from_rotvec(H * rate).as_matrix()
+                u = in_field(t, R, rate)
+                y = step(u)
+            b = u.b_B / np.linalg.norm(u.b_B)
+            away = np.cross(p.safe_axis_B, b)
+            angle = np.arctan2(np.linalg.norm(away), b @ p.safe_axis_B)
+            to = away / np.linalg.norm(away) * min(angle / p.safe_time, p.slew_rate_max, 0.5 * p.rate_acquire)
+            wanted = R.T @ RATE_N
+            across = wanted - (wanted @ b) * b
+            assert y["Omega_ref"] - to == pytest.approx(across, abs=0.15 * np.linalg.norm(across))
+
+
+def test_the_field_is_found_anew_each_time_that_the_mode_safe_is_come_to(flavour):
+    """Where it stood and turned in the time before is forgotten: a fresh instance asks for the same."""
+    p = parameters("supervisor", **TIMES, **{k: v for k, v in CALM.items() if k not in TIMES})
+    lost = inputs("supervisor", **GIVEN, b_B=[0.0, 3e-5, 0.0])
+
+    def visit(fly: Callable[[Any], Any], about: Any) -> Any:
+        return [fly(replace(in_field(t, np.eye(3), about=about), command=SAFE))["Omega_ref"].copy() for t in range(40)]
+
+    fields = ([0.0, 0.0, 3e-5], [3e-5, 0.0, 0.0], [0.0, 0.0, 3e-5])
+    with flavour("supervisor", p, lost, H) as step:
+        flight = Flight(step, lost)
+        for about in fields:
+            flight.to(NADIR)
+            seen = visit(step, about)
+            with flavour("supervisor", p, lost, H) as other:
+                Flight(other, lost).to(NADIR)
+                np.testing.assert_allclose(seen, visit(other, about), atol=1e-12)
+
+
+# ---------------------------------------------------------------- sensors
+
+
+def test_each_outage_loses_the_signal_and_counts_nothing_and_each_return_counts_on(flavour):
+    p = parameters("plant_sensors", attitude_outage_interval=20.0, attitude_outage_duration=10.0,
+                   orbit_outage_interval=30.0, orbit_outage_duration=10.0)  # fmt: skip
+    u = inputs("plant_sensors")
+    with flavour("plant_sensors", p, u, H) as step:
+        count, fixes, gone, lost = 1, 1, 0, 0
+        at = np.array(u.r_N)
+        for i in range(1, 300):
+            y = step(replace(u, r_N=u.r_N + i, R_NB=turned(0.01 * i, 0.0, 0.0)))
+            there = bool(np.any(y["R_NB_measured"]))
+            count += there
+            assert y["attitude_sample"] == count
+            fixed = int(y["orbit_sample"]) == fixes + 1
+            fixes += fixed
+            at = u.r_N + i if fixed else at
+            assert y["orbit_sample"] == fixes
+            assert y["r_N_measured"] == pytest.approx(at, abs=1e-9)
+            gone += not there
+            lost += not fixed
+    # Shares of 1/3 and 1/4, in outages of 10 s: deviations of 25 and 22 over 300 s.
+    assert 30 < gone < 180
+    assert 20 < lost < 150
