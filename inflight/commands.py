@@ -27,7 +27,7 @@ from .attitude import attitudes
 from .gyro import spin
 from .magnetometer import Calibration, calibrate, symmetric
 from .nutation import Motion, forecast, identify, starting
-from .orbit import borders, orbit_at, read_elements
+from .orbit import borders, followed, orbit_at, read_elements
 from .records import Flight, read
 
 NOT_SHOWN = 1
@@ -184,8 +184,10 @@ def ephemeris(tle: Path, start: str, duration: str, step: str, out: Path) -> Non
         f"{out}: {len(orbit.t)} rows, by elements {abs(orbit.age):.2f} days "
         f"{'before' if orbit.age > 0 else 'after'} the middle"
     )
-    say("plant: {orbit_start: position_velocity, epoch: '" + f"{epoch:%Y-%m-%dT%H:%M:%S}Z', ")
-    say(f"        r_N0: {orbit.r_N[0].round(3).tolist()}, v_N0: {orbit.v_N[0].round(6).tolist()}}}")
+    values, near = followed(orbit)
+    say(f"plant: {near}, with the start values")
+    for name, value in values.items():
+        say(f"  {name}: {json.dumps(value)}")
 
 
 def _seconds(option: str, text: str) -> float:

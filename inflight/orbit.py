@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from orchestration.errors import InputError, Place, Problem, reason
 from orchestration.scenario.orbit import Ephemeris
 from plant import sun
 from plant.geomagnetic import Field
-from plant.orbit import WGS84_FLATTENING, WGS84_RADIUS
+from plant.orbit import WGS84_FLATTENING, WGS84_RADIUS, drifting
 from plant.tables.field_models import from_package
 from plant.time_scales import EARTH_RATE, days_since_j2000, decimal_year, gmst, parse_epoch
 
@@ -28,6 +29,10 @@ Floats = NDArray[np.float64]
 AGE_MAX = 7.0
 """Days from the nearest element set beyond which a position is refused."""
 _J2000_JD = 2451545.0
+MU = 3.986004418e14
+"""m3/s2, by default that of the plant."""
+FITTED = 300
+"""Instants of an orbit, at most, to which a plant's is fitted."""
 FIELD_STEP = 10.0
 """Of the nodes between which the field is interpolated, s; the error is below 1 nT."""
 
@@ -113,21 +118,14 @@ def read_elements(path: Path) -> list[Satrec]:
 
 
 def ephemeris(path: Path, start: str, t: Floats) -> Ephemeris:
-    """Returns what a scenario's `orbit` takes: a plant's start values at t = 0, UTC `start`, and the columns `r_N` and
-    `v_N` at t (n,), s. Raises InputError."""
+    """Returns what a scenario's `orbit` takes: `r_N` and `v_N` at t (n,), s, from UTC `start`, and a plant's start
+    values that follow them. Raises InputError."""
     try:
         epoch = parse_epoch(start)
     except ValueError as error:
         raise InputError(f"start: {error}") from None
-    sets = read_elements(path)
-    first, whole = orbit_at(sets, epoch, np.zeros(1)), orbit_at(sets, epoch, t)
-    values = {
-        "orbit_start": "position_velocity",
-        "r_N0": first.r_N[0].tolist(),
-        "v_N0": first.v_N[0].tolist(),
-        "epoch": f"{epoch:%Y-%m-%dT%H:%M:%S.%f}".rstrip("0").rstrip(".") + "Z",
-    }
-    return Ephemeris(values, {"r_N": ("m", whole.r_N), "v_N": ("m/s", whole.v_N)})
+    orbit = orbit_at(read_elements(path), epoch, t)
+    return Ephemeris({"r_N": ("m", orbit.r_N), "v_N": ("m/s", orbit.v_N)}, lambda: followed(orbit))
 
 
 def _sum_is_right(line: str) -> bool:
@@ -150,6 +148,32 @@ def orbit_at(sets: Sequence[Satrec], epoch: datetime, t: Floats) -> Orbit:
     if e.any():
         raise InputError(f"SGP4 refuses the element set: {SGP4_ERRORS[int(e[e > 0][0])]}")
     return Orbit(epoch, t, 1e3 * r[0], 1e3 * v[0], age)
+
+
+def followed(orbit: Orbit) -> tuple[dict[str, Any], str]:
+    """Returns the start values with which a plant follows an orbit from its first instant, t = 0, on, and how near.
+
+    The plant's own orbit, Keplerian with J2's drift of the node, is fitted to positions and velocities, a metre per
+    second as a kilometre. What it leaves are J2's periodic terms, a few kilometres.
+    """
+    from scipy.optimize import least_squares  # takes long, and not every command needs it  # noqa: PLC0415
+
+    chosen = np.unique(np.linspace(0, len(orbit.t) - 1, FITTED).astype(int))
+    t, wanted = orbit.t[chosen], np.hstack((orbit.r_N, orbit.v_N))[chosen]
+    scale = np.repeat((1e3, 1.0), 3)  # m, m/s
+
+    def off(x: Floats) -> Floats:
+        own = drifting(*np.split(x * scale, 2), MU)
+        return ((np.array([own.position_velocity(s) for s in t]).reshape(-1, 6) - wanted) / scale).ravel()
+
+    found = least_squares(off, wanted[0] / scale, x_scale=1e-3 * np.abs(wanted).max(axis=0) / scale)
+    r, v = np.split(found.x * scale, 2)
+    left = np.linalg.norm(found.fun.reshape(-1, 6)[:, :3], axis=1)
+    epoch = f"{orbit.epoch:%Y-%m-%dT%H:%M:%S.%f}".rstrip("0").rstrip(".") + "Z"
+    start = {"orbit_start": "position_velocity", "r_N0": r.tolist(), "v_N0": v.tolist(), "j2_node_drift": True}
+    return start | {
+        "epoch": epoch
+    }, f"its orbit follows that of SGP4 within {max(left.max(), 0.05):.1f} km over {t[-1]:.10g} s"
 
 
 def instant(tai: float) -> datetime:

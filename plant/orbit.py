@@ -20,6 +20,9 @@ WGS84_FLATTENING = 1.0 / 298.257223563
 WGS84_J2 = 1.082629821313e-3
 """Second zonal harmonic of the WGS 84 ellipsoid (its C20 is -484.166774985e-6, fully normalised)."""
 
+DRIFT_PASSES = 6
+"""Each leaves about a thousandth of the last one's error."""
+
 
 @dataclass(frozen=True)
 class Orbit:
@@ -111,6 +114,24 @@ def j2_node_rate(semi_major_axis: float, eccentricity: float, inclination: float
     p = semi_major_axis * (1.0 - eccentricity**2)
     n = math.sqrt(mu / semi_major_axis**3)
     return -1.5 * n * WGS84_J2 * (WGS84_RADIUS / p) ** 2 * math.cos(inclination)
+
+
+def with_j2(path: Orbit, mu: float) -> Orbit:
+    """The same orbit with its node drifting under J2."""
+    return path.with_node_rate(j2_node_rate(path.semi_major_axis, path.eccentricity, path.inclination, mu))
+
+
+def drifting(r: Array, v: Array, mu: float) -> Orbit:
+    """The orbit through r (3,) m with v (3,) m/s whose node drifts with J2. Raises ValueError where they give none.
+
+    v contains the plane's own turning, whose rate follows from the orbit in the plane: a fixed point.
+    """
+    path = with_j2(from_position_velocity(r, v, mu), mu)
+    x, y, _ = r.tolist()
+    for _ in range(DRIFT_PASSES):
+        rate = path.node_rate
+        path = with_j2(from_position_velocity(r, v - rate * np.array((-y, x, 0.0)), mu), mu)
+    return path.with_node_rate(rate)
 
 
 def lvlh(r: Array, v: Array) -> Array:

@@ -20,8 +20,6 @@ from .wheel import Wheel
 
 OfWheels = Any
 """A number for one wheel, an array (4,) for a set of them."""
-DRIFT_PASSES = 6
-"""Each leaves about a thousandth of the last one's error."""
 
 
 @dataclass(frozen=True)
@@ -138,16 +136,9 @@ class Parameters:
         if self.orbit_start == "circular":
             raan = self.gmst0 + self.node_longitude
             path = orbit.circular(self.orbit_radius, self.inclination, raan, self.argument_of_latitude, mu)
-            return path.with_node_rate(_drift(path, mu)) if self.j2_node_drift else path
-        path = orbit.from_position_velocity(self.r_N0, self.v_N0, mu)
-        if not self.j2_node_drift:
-            return path
-        # v_N0 contains the plane's own turning, whose rate follows from the orbit in the plane: a fixed point.
-        x, y, _ = self.r_N0.tolist()
-        for _ in range(DRIFT_PASSES):
-            rate = _drift(path, mu)
-            path = orbit.from_position_velocity(self.r_N0, self.v_N0 - rate * np.array((-y, x, 0.0)), mu)
-        return path.with_node_rate(rate)
+            return orbit.with_j2(path, mu) if self.j2_node_drift else path
+        through = orbit.drifting if self.j2_node_drift else orbit.from_position_velocity
+        return through(self.r_N0, self.v_N0, mu)
 
     @cached_property
     def year(self) -> float:
@@ -203,8 +194,3 @@ class Parameters:
         if self.initial_attitude == "q_NB0":
             return from_quaternion(self.q_NB0)
         return orbit.lvlh(*self.orbit.position_velocity(0.0)) @ project(self.Q0)
-
-
-def _drift(path: orbit.Orbit, mu: float) -> float:
-    """Rate of the orbit's node, rad/s, under J2."""
-    return orbit.j2_node_rate(path.semi_major_axis, path.eccentricity, path.inclination, mu)

@@ -1,4 +1,4 @@
-"""An orbit by element sets in a scenario: a block's position and velocity as a record, or a block's start values.
+"""An orbit by element sets in a scenario: a block's position and velocity as a record, or a plant that follows them.
 
 Which start values and columns an orbit has is known by a package that registers itself under `orchestrate.orbits`; here
 they are names and numbers. Tests: tests/orchestration/scenario/test_orbit.py."""
@@ -8,6 +8,7 @@ from __future__ import annotations
 import csv
 import hashlib
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -44,15 +45,17 @@ class OrbitEntry(Model):
 
 
 class Ephemeris(NamedTuple):
-    """What a registered package makes of element sets: start values at t = 0, and columns (n,) by ports, with units."""
+    """What a registered package makes of element sets at some times."""
 
-    start: dict[str, Any]
     columns: dict[str, tuple[str, NDArray[np.float64]]]
+    """By ports, with units; (n, elements)."""
+    followed: Callable[[], tuple[dict[str, Any], str]]
+    """Returns start values with which a block follows it, and how near."""
 
 
 def resolved(source: Source, name: str, entry: Any, duration: float) -> Source:
-    """Returns the scenario with a record in the place of a block's `orbit`, or, where the block is an FMU, with its
-    start values, which those that are given go before. Raises InputError."""
+    """Returns the scenario with a record in the place of a block's `orbit`, or, where the block is an FMU, with start
+    values by which it follows it over the run; those that are given go before. Raises InputError."""
     orbit: OrbitEntry = entry.orbit
     key = ("blocks", name, "orbit")
     step = orbit.step or STEP
@@ -60,12 +63,14 @@ def resolved(source: Source, name: str, entry: Any, duration: float) -> Source:
         raise InputError(source.error((*key, "step"), f"expected at most {ROWS_MAX} rows, found {duration / step:.0f}"))
     with source.naming((*key, "tle")):
         path = located(orbit.tle, source.folder)
-        times = np.arange(-MARGIN, duration + MARGIN + step, step) if not entry.fmu else np.zeros(1)
+        margin = 0.0 if entry.fmu else MARGIN
+        times = np.arange(-margin, duration + margin + step, max(step, duration / ROWS_MAX))
         found = _provider()(path, orbit.start, times)
     changed = source.with_entry(key, None)
     if entry.fmu:
-        start = found.start | dict(entry.start)
-        return changed.with_entry(("blocks", name, "start"), start)
+        start, near = found.followed()
+        told = changed.notes if start.keys() & entry.start.keys() else (*changed.notes, f"{name}: {near}")
+        return replace(changed.with_entry(("blocks", name, "start"), start | dict(entry.start)), notes=told)
     return changed.with_entry(("blocks", name, "telemetry"), _record(path, orbit, times, found))
 
 

@@ -57,6 +57,8 @@ class Source:
     """Where stands what was put in from another file."""
     files: dict[Key, str] = field(default_factory=dict)
     """The file of what stands in none of its own, but in one that it extends."""
+    notes: tuple[str, ...] = ()
+    """What a run should tell of data that were put in the place of others."""
 
     def place(self, key: Key) -> Place:
         """Returns the place of the innermost part of a key that is known: a line of a file, or an option."""

@@ -71,7 +71,8 @@ def open_scenario(scenario: Scenario, fmus: dict[str, Fmu] | None = None) -> Ope
     prepared.notes += follows
     timed = rates(prepared.scenario, fmus)
     ready = plan(timed.scenario, prepared.models, prepared.feedthrough)
-    ready.notes[:0] = [*_not_valid(scenario, fmus), *_of_records(scenario, fmus), *unfed, *prepared.notes, *timed.notes]
+    told = [*_of_records(scenario, fmus), *scenario.source.notes]
+    ready.notes[:0] = [*_not_valid(scenario, fmus), *told, *unfed, *prepared.notes, *timed.notes]
     ready.not_evaluated = prepared.not_evaluated
     return Opened(fmus, prepared, timed, ready)
 

@@ -58,7 +58,7 @@ def test_a_record_without_nutation_does_not_show_the_inertia(log):
 def test_an_ephemeris_is_a_record_for_a_scenario(log):
     arguments = ["tle.txt", "--start", "2023-09-04T14:48:23Z", "--duration", "60 s", "--out", "orbit.csv"]
     done = orchestrate("ephemeris", *arguments)
-    assert "orbit_start: position_velocity" in done.output
+    assert 'orbit_start: "position_velocity"' in done.output
     assert (log.parent / "orbit.csv").read_text().startswith("t,r_N1 [m],r_N2 [m]")
 
 

@@ -9,9 +9,9 @@ from astropy.coordinates import ITRS, TEME, CartesianRepresentation
 from astropy.time import Time
 from astropy.utils.iers import conf
 
-from inflight.orbit import instant, orbit_at, read_elements
+from inflight.orbit import MU, followed, instant, orbit_at, read_elements
 from orchestration.errors import InputError
-from plant.orbit import earth_fixed
+from plant.orbit import drifting, earth_fixed
 from plant.sun import Sun, seen_from
 from plant.time_scales import days_since_j2000
 
@@ -62,6 +62,16 @@ def test_the_shadow_begins_and_ends_where_the_plant_has_it(elements):
     assert 0.3 < plant.mean() < 0.7
     assert ((plant > 0.5) != (orbit.sunlight() > 0.5)).sum() <= 1
     assert orbit.sunlight(22e3).sum() < orbit.sunlight().sum() - 5.0
+
+
+@pytest.mark.parametrize(("duration", "km"), [(0.0, 1e-3), (600.0, 1.0), (86400.0, 4.0)])
+def test_a_plants_orbit_stays_near_that_of_sgp4(elements, duration, km):
+    orbit = orbit_at(read_elements(elements), EPOCH, np.linspace(0.0, duration, 1000))
+    values, near = followed(orbit)
+    plant = drifting(np.array(values["r_N0"]), np.array(values["v_N0"]), MU)
+    off = [np.linalg.norm(plant.position_velocity(t)[0] - r) for t, r in zip(orbit.t, orbit.r_N, strict=True)]
+    assert max(off) < 1e3 * km
+    assert float(near.split()[-5]) == pytest.approx(max(off) / 1e3, abs=0.11)
 
 
 def test_an_element_set_with_a_wrong_digit_is_refused_at_its_line(tmp_path):

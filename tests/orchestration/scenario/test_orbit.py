@@ -32,7 +32,7 @@ def test_position_and_velocity_are_those_of_sgp4_at_each_row(here):
         assert result["gnss.v_N"][i] == pytest.approx(1e3 * np.array(v), abs=1e-3)
 
 
-def test_a_plant_begins_where_sgp4_has_it_and_keeps_what_is_given(here):
+def test_a_plant_follows_sgp4_and_keeps_what_is_given(here):
     block = {"fmu": "plant", "orbit": {"tle": str(here / "elements.txt"), "start": START}}
     block["start"] = {"omega_B0": [0.0, 0.01, 0.0]}
     entry = load(scenario(**block)).blocks["gnss"]
@@ -41,6 +41,24 @@ def test_a_plant_begins_where_sgp4_has_it_and_keeps_what_is_given(here):
     assert entry.start["epoch"] == START
     assert entry.start["omega_B0"] == [0.0, 0.01, 0.0]
     assert 6.7e6 < np.linalg.norm(entry.start["r_N0"]) < 7.0e6
+    given = {**block, "start": {"j2_node_drift": False, "r_N0": [7e6, 0, 0]}}
+    start = load(scenario(**given)).blocks["gnss"].start
+    assert (start["j2_node_drift"], start["r_N0"]) == (False, [7e6, 0, 0])
+    assert load(scenario(**given)).source.notes == ()
+
+
+def test_a_run_flies_a_plant_and_its_field_along_sgp4_and_says_how_near(here):
+    orbit = {"tle": str(here / "elements.txt"), "start": START}
+    plant = {"fmu": "plant", "orbit": orbit, "start": {"dipole_cmd": [0, 0, 0], "wheel_torque_cmd": 0}}
+    flown = {**scenario(orbit=orbit), "step": 10.0, "duration": 6000.0}
+    flown["blocks"]["plant"] = plant
+    result = orchestration.run(flown)
+    off = np.linalg.norm(result["plant.r_N"] - result["gnss.r_N"], axis=1).max() / 1e3
+    (note,) = [note for note in result.manifest["notes"] if "SGP4" in note]
+    assert note.startswith("plant: its orbit follows that of SGP4 within ")
+    assert note.endswith(" km over 6000 s")
+    assert float(note.split()[-5]) == pytest.approx(off, abs=0.1)
+    assert off < 4.0
 
 
 @pytest.mark.parametrize(
