@@ -163,11 +163,11 @@ def followed(orbit: Orbit) -> tuple[dict[str, Any], str]:
     scale = np.repeat((1e3, 1.0), 3)  # m, m/s
 
     def off(x: Floats) -> Floats:
-        own = drifting(*np.split(x * scale, 2), MU)
+        own = drifting(1e3 * x[:3], x[3:], MU)
         return ((np.array([own.position_velocity(s) for s in t]).reshape(-1, 6) - wanted) / scale).ravel()
 
     found = least_squares(off, wanted[0] / scale, x_scale=1e-3 * np.abs(wanted).max(axis=0) / scale)
-    r, v = np.split(found.x * scale, 2)
+    r, v = 1e3 * found.x[:3], found.x[3:]
     left = np.linalg.norm(found.fun.reshape(-1, 6)[:, :3], axis=1)
     epoch = f"{orbit.epoch:%Y-%m-%dT%H:%M:%S.%f}".rstrip("0").rstrip(".") + "Z"
     start = {"orbit_start": "position_velocity", "r_N0": r.tolist(), "v_N0": v.tolist(), "j2_node_drift": True}
