@@ -122,7 +122,7 @@ def _is_inside(module: str | None) -> bool:
 
 
 def _ready_made(folder: Path) -> None:
-    """FMUs of both flavours, the step loop's libraries, scenarios and licence."""
+    """FMUs of both flavours, the libraries of the step loop and of the recorder, scenarios and licence."""
     sys.path.insert(0, str(ROOT))  # the build backend runs outside the repository's packages
     # Here, since it needs the path above.
     from fmus import changes, telemetry  # here, since it needs the path above  # noqa: PLC0415
@@ -137,10 +137,15 @@ def _ready_made(folder: Path) -> None:
                 shutil.copy(built, folder / flavour)
             else:
                 build([block], flavour, folder / flavour)
-    headers, loop = [ROOT / "fmus" / "native" / "shell"], [ROOT / "orchestration" / "master" / "loop.c"]
+    orchestration = ROOT / "orchestration"
     (folder / "loop").mkdir()
-    for platform, library in toolchain.compile_library("loop", loop, headers, toolchain.PLATFORMS).items():
-        (folder / "loop" / f"{platform}{toolchain.PLATFORMS[platform].suffix}").write_bytes(library)
+    for name, source, headers in (
+        ("", orchestration / "master" / "loop.c", ROOT / "fmus" / "native" / "shell"),
+        ("recorder-", orchestration / "instances" / "record" / "recorder.c", ROOT),
+    ):
+        made = toolchain.compile_library(source.stem, [source], [headers], toolchain.PLATFORMS)
+        for platform, library in made.items():
+            (folder / "loop" / f"{name}{platform}{toolchain.PLATFORMS[platform].suffix}").write_bytes(library)
     for name, libraries in (("telemetry", telemetry.libraries()), ("changes", changes.libraries())):
         (folder / name).mkdir()
         for platform, library in libraries.items():

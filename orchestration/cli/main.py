@@ -43,6 +43,7 @@ COMMANDS = {
     "new": "orchestration.cli.new",
     "polarity": "orchestration.cli.polarity",
     "reference": "orchestration.cli.reference",
+    "replay-calls": "orchestration.cli.replay_calls",
     "run": "orchestration.cli.run",
     "scenarios": "orchestration.cli.scenarios",
     "schema": "orchestration.cli.schema",

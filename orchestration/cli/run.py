@@ -11,7 +11,9 @@ from pathlib import Path
 
 import click
 
+from ..errors import InputError, hint
 from ..fmu.model import Model
+from ..instances.record.play import RECORD
 from ..results import formats
 from ..results.figures import require
 from ..results.place import refuse_foreign, refuse_other, reserved
@@ -29,6 +31,9 @@ from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
 from .summary import save, summary
 from .watch import watched
+
+CALLS = "calls"
+"""The folder, among the results, of recorded calls."""
 
 
 @click.command(
@@ -67,6 +72,14 @@ from .watch import watched
     "by default.",
 )
 @click.option("--log", is_flag=True, help="Print the log messages of the FMUs during the run.")
+@click.option(
+    "--record-calls",
+    "recorded",
+    multiple=True,
+    metavar="BLOCK",
+    help="Write the FMI calls of this block to calls/BLOCK of the results, with a C program that plays them; may be "
+    "repeated.",
+)
 @QUIET
 @click.pass_context
 def command(
@@ -80,6 +93,7 @@ def command(
     loop: str,
     priority: int | None,
     log: bool,
+    recorded: tuple[str, ...],
     quiet: bool,
 ) -> None:
     """Run a scenario (the default command).
@@ -91,7 +105,11 @@ def command(
     if figures:
         require(chosen)
     target = out or Path("results") / (scenario.stem if scenario.suffix == ".ssp" else chosen.name)
-    refuse_foreign(target)
+    refuse_foreign(target, [CALLS])
+    records = {block: target / CALLS / block for block in recorded}
+    for block in recorded:
+        if block not in chosen.blocks:
+            raise InputError(f"--record-calls {block}: there is no such block{hint(block, chosen.blocks)}")
 
     def accept(columns: Iterable[Node], models: Mapping[str, Model]) -> None:
         formats.check_names(columns, models, format_)
@@ -99,7 +117,7 @@ def command(
             refuse_other(target, str(scenario))
 
     progress = Progress(chosen.duration, not quiet)
-    with watched(chosen), reserved(target):
+    with watched(chosen, [folder / RECORD for folder in records.values()]), reserved(target):
         with keyboard() if chosen.realtime else nullcontext() as keys:
             pace_keeper = pacer(chosen, keys, priority)
             if pace_keeper is not None:
@@ -108,7 +126,8 @@ def command(
                     say(KEYS)
             try:
                 with prioritized(priority):
-                    result = runner.execute(chosen, progress, log, loop == "compiled", accept, pacer=pace_keeper)
+                    compiled = loop == "compiled"
+                    result = runner.execute(chosen, progress, log, compiled, accept, pacer=pace_keeper, records=records)
             finally:
                 progress.close()
         for block in change.blocks:
@@ -129,6 +148,8 @@ def command(
             tell(f"  {line}")
     if not quiet:
         say(f"\nresults in {target}")
+        for block, folder in records.items():
+            say(f"calls of {block} in {folder}: orchestrate replay-calls {folder / RECORD}, or make there")
     if open_:
         open_page(target / "report.html")
     ctx.exit(status)

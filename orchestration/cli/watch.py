@@ -8,13 +8,15 @@ from __future__ import annotations
 import os
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import NoReturn
 
 from ..fmu.interfaces import is_path
 from ..instances.confine import end_with
 from ..instances.guest import TRACE
+from ..instances.record.recorder import complete
 from ..scenario.scenario import Scenario
 from ..session.limits import limits
 from .console import complain
@@ -24,9 +26,10 @@ _WAITED = {getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SI
 
 
 @contextmanager
-def watched(scenario: Scenario) -> Iterator[None]:
+def watched(scenario: Scenario, records: Iterable[Path] = ()) -> Iterator[None]:
     """Goes on in a process of its own where FMUs of others run in this one; this one waits for it, and says where an
-    FMU has ended it. Only on Linux, and not where the command is called by another program's Python."""
+    FMU has ended it, and completes the records of calls. Only on Linux, and not where the command is called by another
+    program's Python."""
     guests = any(is_path(entry.fmu) and limits(scenario, name) is None for name, entry in scenario.blocks.items())
     if not guests or not hasattr(signal, "sigwaitinfo") or sys.stdout is not sys.__stdout__:
         yield
@@ -35,7 +38,7 @@ def watched(scenario: Scenario) -> Iterator[None]:
     print(end="", flush=True, file=sys.stderr)
     master, before = os.getpid(), signal.pthread_sigmask(signal.SIG_BLOCK, _WAITED)
     if child := os.fork():
-        _wait(child, before)
+        _wait(child, before, records)
     signal.pthread_sigmask(signal.SIG_SETMASK, before)
     end_with(master)
     try:
@@ -44,7 +47,7 @@ def watched(scenario: Scenario) -> Iterator[None]:
         TRACE.finish()
 
 
-def _wait(child: int, before: set[int]) -> NoReturn:
+def _wait(child: int, before: set[int], records: Iterable[Path]) -> NoReturn:
     """Ends as the child does, or with the status of an FMU that failed; passes on what other processes send.
 
     The terminal sends its signals to both. `before` is the mask of signals without those that are waited for here.
@@ -56,6 +59,9 @@ def _wait(child: int, before: set[int]) -> NoReturn:
                 os.kill(child, came.si_signo)
     signal.pthread_sigmask(signal.SIG_SETMASK, before)
     status = os.waitstatus_to_exitcode(ended[1])
+    for record in records:
+        with suppress(OSError):
+            complete(record)
     if TRACE.done or -status in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         if status < 0:
             signal.signal(-status, signal.SIG_DFL)

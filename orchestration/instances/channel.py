@@ -21,6 +21,7 @@ import numpy as np
 
 from ..fmu.co_simulation import CoSimulation
 from ..fmu.model import Floats, Model
+from .record.recorder import Record
 
 if sys.platform == "linux":
     import fcntl
@@ -56,6 +57,8 @@ class Setup:
     """How much memory it may take beyond what this process has; None for no limit."""
     master: int
     """The master's process."""
+    record: Record | None = None
+    """Where its calls are recorded."""
 
 
 class Closed(Exception):

@@ -26,6 +26,7 @@ from ..fmu.zipped import size_text
 from .channel import ANSWER, CALL, DONE, GETTING, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, sealed, send
 from .listener import Listener
 from .process import GRACE, Limits, Process
+from .record.recorder import Record, complete
 from .watchdog import Watchdog
 
 _START_TIMEOUT = 120.0
@@ -38,13 +39,22 @@ class IsolatedBlock:
     It starts at once, but only `started` waits for it, so that several start side by side.
     """
 
-    def __init__(self, name: str, fmu: Fmu, folder: Path, limits: Limits, verbose: bool = False) -> None:
-        """`folder` holds the unpacked FMU; beside it are made the mapped file and the folder that it works in."""
+    def __init__(
+        self,
+        name: str,
+        fmu: Fmu,
+        folder: Path,
+        limits: Limits,
+        verbose: bool = False,
+        record: Record | None = None,
+    ) -> None:
+        """`folder` holds the unpacked FMU; beside it are made the mapped file and the folder that it works in. Its
+        calls are written to `record`."""
         self.name: str = name
         self.model: Model = fmu.model
         self.failure: BlockError | None = None
         """What went wrong when it was closed."""
-        self._limits = limits
+        self._limits, self._record = limits, record
         self._instantiated = self._stepping = False
         home = folder.with_name(f"{folder.name}.home")
         home.mkdir()
@@ -62,7 +72,7 @@ class IsolatedBlock:
         self._to, self._from = self._process.to, self._process.source
         self._listener = Listener(name, self._process.errors, verbose)
         self._watchdog = Watchdog(self._process, limits.timeout)
-        setup = Setup(name, fmu.model, fmu.kind, fmu.library, folder, shared, limits.memory, os.getpid())
+        setup = Setup(name, fmu.model, fmu.kind, fmu.library, folder, shared, limits.memory, os.getpid(), record)
         with suppress(Closed):
             send(self._to, CALL, pickle.dumps(setup))
             send(self._to, CALL, pickle.dumps(("instantiate", ())))
@@ -226,6 +236,9 @@ class IsolatedBlock:
         self._watchdog.ended.set()
         self._process.reap()
         self._listener.join()
+        if self._record is not None:
+            with suppress(OSError):
+                complete(self._record.path)
 
     def _lost(self) -> BlockError:
         """The error of a process that has ended, or that does not answer as it should. Raises Abandoned."""

@@ -21,6 +21,7 @@ from ..fmu import zipped
 from ..fmu.archive import Fmu
 from ..interrupt import held
 from .log import Log
+from .record.recorder import Record, Recorder, recorded
 
 Calls = Iterator[tuple[str, tuple[Any, ...]]]
 """Functions of FMI by their names, with what they take behind the instance."""
@@ -152,23 +153,29 @@ _chdir = threading.Lock()
 class Library:
     """A library that is loaded, and the instance that is made of it."""
 
-    def __init__(self, version: Version, fmu: Fmu, folder: Path | None) -> None:
+    def __init__(self, version: Version, fmu: Fmu, folder: Path | None, record: Record | None = None) -> None:
         """Loads it from the folder in which its FMU is unpacked; None for one that is shared with all instances of it.
 
-        Raises OSError where it cannot be loaded, and AttributeError where it lacks a function.
+        Its calls are recorded where a record is given. Raises OSError where it cannot be loaded, and AttributeError
+        where it lacks a function.
         """
         self._version, self._shared = version, folder is None
         self.component: int | None = None
+        self.dll: c.CDLL | Recorder
         if folder is None:
             self.dll, self._folder = OWN.load(fmu, version)
         else:
             self.dll, self._folder = _loaded(folder / fmu.library, version), folder
+        if record is not None:
+            self.dll = recorded(self.dll, record)
 
     def instantiate(self, name: str, token: str, log: Log) -> None:
         """Leaves the instance in `component`; None where the FMU gives none."""
         function = self.dll[self._version.instantiate]
         function.restype = c.c_void_p
         log.folder = self._folder
+        if isinstance(self.dll, Recorder):
+            self.dll.next()
         self.component = function(*self._version.arguments(name.encode(), token.encode(), self._folder, log))
 
     def free(self) -> None:
@@ -180,6 +187,8 @@ class Library:
 
     def unload(self) -> None:
         """Unloads a library that is not shared."""
+        if isinstance(self.dll, Recorder):
+            self.dll.close()
         if not self._shared:
             _unload(self.dll._handle)
 

@@ -28,6 +28,7 @@ from .layout import Arrays, Layout, exchanges
 from .library import VERSIONS, Library
 from .loading import in_words
 from .log import Log
+from .record.recorder import Record
 
 _STATUS = ("ok", "warning", "discard", "error", "fatal", "pending")
 _DISCARD, _ERROR, _FATAL = 2, 3, 4
@@ -44,11 +45,19 @@ def asks_to_end(error: BlockError) -> bool:
 class Slave:
     """One instance of an FMU. See `block.Block`."""
 
-    def __init__(self, name: str, fmu: Fmu, folder: Path | None, verbose: bool | Callable[[str], None] = False) -> None:
+    def __init__(
+        self,
+        name: str,
+        fmu: Fmu,
+        folder: Path | None,
+        verbose: bool | Callable[[str], None] = False,
+        record: Record | None = None,
+    ) -> None:
         """Loads the library from `folder`, where the FMU has been unpacked, and instantiates it.
 
         `verbose` prints what it logs, or takes each line of it. Without a folder the library is loaded once for all
-        instances and stays until the process ends, which only suits one without a state of its own.
+        instances and stays until the process ends, which only suits one without a state of its own. Its calls are
+        written to `record`.
         """
         self.name: str = name
         self.model: Model = fmu.model
@@ -56,7 +65,7 @@ class Slave:
         self._log = Log(name, echo=verbose)
         self._initialized = self._dead = False
         self._arrays = Arrays(fmu.model)
-        self._library = self._load(fmu, folder)
+        self._library = self._load(fmu, folder, record)
         self._states: list[c.c_void_p] = []
         self._library.instantiate(name, fmu.model.guid, self._log)
         if not self._library.component:
@@ -69,9 +78,9 @@ class Slave:
         self.component = c.c_void_p(self._library.component)
         self._argument = c.c_void_p.from_param(self._library.component)  # converted once, for the calls of every step
 
-    def _load(self, fmu: Fmu, folder: Path | None) -> Library:
+    def _load(self, fmu: Fmu, folder: Path | None, record: Record | None) -> Library:
         try:
-            return Library(self.version, fmu, folder)
+            return Library(self.version, fmu, folder, record)
         except InputError:
             raise
         except Exception as error:

@@ -117,7 +117,7 @@ class Worker:
             self._slave = Law(setup.name, setup.model, Path(setup.library))
             return
         fmu = SimpleNamespace(model=setup.model, kind=setup.kind, library=setup.library)
-        self._slave = Watched(self._memory, setup.name, fmu, setup.folder, say)
+        self._slave = Watched(self._memory, setup.name, fmu, setup.folder, say, setup.record)
 
     def _do_mark(self) -> None:
         confine.flush()

@@ -6,10 +6,6 @@ It takes over where every block is an FMU in this process; both loops give the s
 from __future__ import annotations
 
 import ctypes as c
-import hashlib
-import os
-import platform
-import tempfile
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -17,11 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from fmus import places
-
-from ..fmu.platforms import PLATFORM, SUFFIX
 from ..fmu.types import CODES
 from ..instances.calls import Exchange
+from ..instances.compilation import FMI_HEADERS, compiled
 from ..instances.guest import CALLS, TRACE, Guest
 from ..instances.slave import Slave
 from ..system.clock import EXACT
@@ -170,29 +164,10 @@ class CompiledLoop:
 
 @cache
 def _library() -> c.CDLL | None:
-    """loop.c as a library of this machine: ready-made, or compiled where missing or out of date; None without a
-    compiler."""
-    path = places.ready(f"loop/{PLATFORM}{SUFFIX}")
+    """loop.c as a library of this machine; None without a compiler."""
     try:
-        library = c.CDLL(str(path or _compiled(places.work() / "loop")))
+        library = c.CDLL(str(compiled("loop", _SOURCE, [_SOURCE.with_suffix(".h"), FMI_HEADERS / "fmi2.h"])))
     except (RuntimeError, OSError):  # no compiler, or no folder to write to: the loop in Python will do
         return None
     library.run_loop.argtypes = (c.POINTER(CLoop), c.c_int64)
     return library
-
-
-def _compiled(folder: Path) -> Path:
-    native = Path(places.__file__).with_name("native")
-    sources = _SOURCE, _SOURCE.with_suffix(".h"), native / "shell" / "fmi2.h", native / "toolchain.py"
-    digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in sources)).hexdigest()[:16]
-    path = folder / f"{platform.system()}-{platform.machine()}-{digest}"
-    if not path.exists():
-        from fmus.native import toolchain  # here, since it takes 15 ms and is seldom needed  # noqa: PLC0415
-
-        host = toolchain.host_platform()
-        data = toolchain.compile_library("loop", [_SOURCE], [native / "shell"], [host])[host]
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
-            file.write(data)
-        os.replace(file.name, path)
-    return path

@@ -7,6 +7,7 @@ from contextlib import nullcontext
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from ..errors import InputError
@@ -81,14 +82,15 @@ def execute(
     check: Callable[[Iterable[Node], Mapping[str, Model]], None] | None = None,
     observers: Observers = ((), ()),
     pacer: Pacer | None = None,
+    records: Mapping[str, Path] = MappingProxyType({}),
 ) -> Result:
     """Runs a scenario on its FMUs. A failing FMU ends the run, and the result says so.
 
     `check` is shown what will be recorded before the run, and may refuse it by an InputError. `observers` are those
     who are shown signals of the run, behind the nodes that they need. Without a pacer the run is as fast as it goes,
-    whatever the scenario says of real time.
+    whatever the scenario says of real time. `records` are folders for the FMI calls of blocks, with what plays them.
     """
-    with WARM.session(scenario, verbose) as session:
+    with WARM.session(scenario, verbose, records) as session:
         opened = session.opened
         if check is not None:
             check(opened.plan.columns, opened.plan.models)

@@ -8,14 +8,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from types import MappingProxyType
 
-from ..errors import BlockError, InputError, NoRoom
+from ..errors import BlockError, InputError, NoRoom, reason
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
 from ..instances.block import Block, Instance
 from ..instances.guest import Guest
 from ..instances.isolation import IsolatedBlock
 from ..instances.law import Law
+from ..instances.record.play import RECORD, write_folder
+from ..instances.record.recorder import Record, record
 from ..instances.slave import Slave
 from ..instances.surroundings import Surroundings
 from ..master.circuit import Circuit
@@ -38,13 +41,20 @@ class Session:
     After a failure, and where a reset fails, they are made anew.
     """
 
-    def __init__(self, opened: Opened, resets: bool | None = None, verbose: bool = False) -> None:
+    def __init__(
+        self,
+        opened: Opened,
+        resets: bool | None = None,
+        verbose: bool = False,
+        records: Mapping[str, Path] = MappingProxyType({}),
+    ) -> None:
         """`resets`: whether instances are reset from flight to flight; by default those of this project's own native
         FMUs.
 
         The reset of these leaves nothing behind, which is not known of any other. `verbose` prints what the FMUs log.
+        `records` are folders to which the calls of blocks are written.
         """
-        self.opened, self._verbose = opened, verbose
+        self.opened, self._verbose, self._records = opened, verbose, records
         self._resets = all(map(self._is_own, opened.fmus)) if resets is None else resets
         self._stack = ExitStack()
         self._instances: dict[str, Instance] = {}
@@ -149,6 +159,7 @@ class Session:
         try:
             for name, fmu in opened.fmus.items():
                 own, bound, law = self._is_own(name), limits(scenario, name), scenario.blocks[name].python
+                calls = self._recorded(name) if name in self._records else None
                 if law:
                     (work / name).mkdir(parents=True, exist_ok=True)
                 elif not own:
@@ -156,9 +167,11 @@ class Session:
                 if law and bound is None:
                     instances[name] = Law(name, fmu.model, fmu.path)
                 elif bound is None:
-                    instances[name] = Slave(name, fmu, None, self._verbose) if own else self._guest(name, work / name)
+                    instances[name] = (
+                        Slave(name, fmu, None, self._verbose, calls) if own else self._guest(name, work / name, calls)
+                    )
                 else:
-                    instances[name] = IsolatedBlock(name, fmu, work / name, bound, self._verbose)
+                    instances[name] = IsolatedBlock(name, fmu, work / name, bound, self._verbose, calls)
                 stack.callback(instances[name].close)
             for name in instances:  # all processes have been started before the first is waited for
                 if isinstance(block := instances[name], IsolatedBlock):
@@ -172,10 +185,21 @@ class Session:
             raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
         return instances
 
-    def _guest(self, name: str, folder: Path) -> Guest:
+    def _recorded(self, name: str) -> Record:
+        """Returns the record of a block's calls, in a folder with all that plays it. Raises InputError."""
+        folder, fmu = self._records[name], self.opened.fmus[name]
+        if self.opened.plan.scenario.blocks[name].python:
+            raise InputError(f"--record-calls {name}: it is a law in Python, which is not called by FMI")
+        try:
+            write_folder(folder, fmu)
+        except OSError as error:
+            raise InputError(f"{folder}: the calls cannot be recorded: {reason(error)}") from None
+        return record(folder / RECORD, fmu)
+
+    def _guest(self, name: str, folder: Path, calls: Record | None) -> Guest:
         """Returns the instance of an FMU of others in this process."""
         self._around = self._around or Surroundings(self.notes)
-        return Guest(self._around, name, self.opened.fmus[name], folder, self._verbose)
+        return Guest(self._around, name, self.opened.fmus[name], folder, self._verbose, calls)
 
     def _is_own(self, name: str) -> bool:
         """Returns whether a block is one of this project's own native FMUs, in this process."""

@@ -10,6 +10,8 @@ import atexit
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
+from types import MappingProxyType
 
 from ..fmu.archive import Fmu
 from ..fmu.interfaces import is_path
@@ -26,22 +28,27 @@ class Warm:
         self._lock = threading.Lock()
 
     @contextmanager
-    def session(self, scenario: Scenario, verbose: bool = False) -> Iterator[Session]:
-        """Lends the session of a scenario, and keeps it afterwards where nothing was raised. Raises InputError."""
+    def session(
+        self, scenario: Scenario, verbose: bool = False, records: Mapping[str, Path] = MappingProxyType({})
+    ) -> Iterator[Session]:
+        """Lends the session of a scenario, and keeps it afterwards where nothing was raised. Raises InputError.
+
+        One that prints what FMUs log, or that records calls, is its own.
+        """
         fmus = open_fmus(scenario)
-        last = self._swapped(None)
-        if last is not None and not verbose and last[0] == scenario and _same(last[1].opened.fmus, fmus):
+        last, own = self._swapped(None), verbose or bool(records)
+        if last is not None and not own and last[0] == scenario and _same(last[1].opened.fmus, fmus):
             session = last[1]
         else:
             _close(last)
-            session = Session(open_scenario(scenario, fmus), verbose=verbose)
+            session = Session(open_scenario(scenario, fmus), verbose=verbose, records=records)
         try:
             yield session
         except BaseException:
             session.close()
             raise
         # The others read more files than their FMUs, which may have changed.
-        if verbose or any(is_path(e.fmu) or e.interface or e.map for e in scenario.blocks.values()):
+        if own or any(is_path(e.fmu) or e.interface or e.map for e in scenario.blocks.values()):
             session.close()
             return
         _close(self._swapped((scenario, session)))
