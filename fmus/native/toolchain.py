@@ -171,18 +171,13 @@ def shared_library(name: str, platform_name: str, target: str, arguments: Sequen
         return library.read_bytes()
 
 
-def compile_program(sources: Sequence[Path], includes: Sequence[Path], program: Path, link: Sequence[str] = ()) -> None:
-    """Makes a program for this machine of these sources. Raises CompilerError."""
-    compiler = zig()
-    command = [*([str(compiler), "cc"] if compiler else [_system_compiler()]), *FLAGS]
-    run([*command, *(f"-I{path}" for path in includes), *map(str, sources), *link, "-o", str(program)], program)
-
-
 def run_program(sources: Sequence[Path], includes: Sequence[Path]) -> str:
     """What a program of these sources prints on this machine, whatever its status. Raises CompilerError."""
+    compiler = zig()
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder, "program.exe")
-        compile_program(sources, includes, program)
+        command = [*([str(compiler), "cc"] if compiler else [_system_compiler()]), *FLAGS]
+        run([*command, *(f"-I{path}" for path in includes), *map(str, sources), "-o", str(program)], program)
         return subprocess.run([program], capture_output=True, text=True, check=False).stdout
 
 

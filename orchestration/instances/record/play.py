@@ -145,9 +145,14 @@ def _program() -> Path:
     link = ["-lm", "-ldl"] if sys.platform == "linux" else []
     try:
         program.parent.mkdir(parents=True, exist_ok=True)
+        zig, found = toolchain.zig(), next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
+        if zig is None and found is None:
+            raise InputError("a record is played by a program in C; remedy: pip install ziglang, or a C compiler (cc)")
+        compiler = [str(zig), "cc"] if zig is not None else [str(found)]
         with tempfile.TemporaryDirectory(dir=program.parent) as folder:
-            toolchain.compile_program(sources[:1], [], Path(folder, "replay.exe"), link)
-            os.replace(Path(folder, "replay.exe"), program)
+            made = Path(folder, "replay.exe")
+            toolchain.run([*compiler, "-O2", "-std=c11", str(sources[0]), *link, "-o", str(made)], made)
+            os.replace(made, program)
     except toolchain.CompilerError as error:
         raise InputError(f"a record is played by a program in C, which cannot be made: {error}") from None
     except OSError as error:
