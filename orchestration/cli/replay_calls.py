@@ -19,7 +19,6 @@ from .status import BLOCK_FAILED, EXPECTATION_FAILED
 @click.command(
     "replay-calls",
     epilog=examples(
-        "orchestrate run loop.yaml --swap plant=vendor.fmu --record-calls plant",
         "orchestrate replay-calls results/loop/calls/plant/calls.bin",
         "orchestrate replay-calls calls.bin --fmu corrected.fmu --tolerance 1e-12",
         "orchestrate replay-calls calls.bin --shortest shortest.bin",

@@ -44,6 +44,7 @@ CALLS = "calls"
         "orchestrate loop.yaml --set plant.inclination='51.6 deg' -o results/other",
         "orchestrate loop.yaml --swap allocator=vendor.fmu --map mapping.yaml",
         "orchestrate loop.yaml --realtime --late stop",
+        "orchestrate loop.yaml --record-calls allocator",
         "orchestrate loop.ssp --duration '2 orbits' --format parquet -q",
     ),
 )
