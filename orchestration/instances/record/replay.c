@@ -183,11 +183,17 @@ static double as_double(const uint8_t *value, const char *type, size_t size)
         memcpy(&one, value, sizeof one);                                                                               \
         return (double)one;                                                                                            \
     }
-    AS("Float32", float)
-    AS("Int8", int8_t)
-    AS("Int16", int16_t) AS("Int32", int32_t) AS("Int64", int64_t) AS("UInt8", uint8_t) AS("UInt16", uint16_t)
-        AS("UInt32", uint32_t) AS("UInt64", uint64_t) AS("Integer", int32_t) if (strcmp(type, "Boolean") == 0)
-    {
+    AS("Float32", float);
+    AS("Int8", int8_t);
+    AS("Int16", int16_t);
+    AS("Int32", int32_t);
+    AS("Int64", int64_t);
+    AS("UInt8", uint8_t);
+    AS("UInt16", uint16_t);
+    AS("UInt32", uint32_t);
+    AS("UInt64", uint64_t);
+    AS("Integer", int32_t);
+    if (strcmp(type, "Boolean") == 0) {
         return size == 1 ? *value != 0 : as_double(value, "Integer", 4) != 0.0;
     }
     double one;
