@@ -85,7 +85,8 @@ class Recorder:
 
     def __init__(self, dll: c.CDLL, asked: Record) -> None:
         """Makes the file. Raises OSError."""
-        self._dll, self._own, self._path = dll, _library(type(dll)), asked.path
+        kind: Any = type(dll)
+        self._dll, self._own, self._path = dll, _library(kind), asked.path
         self._handle = dll._handle
         self._memory: list[Any] = [c.create_string_buffer(self._own.recorder_size())]
         self._head = _Head.from_buffer(self._memory[0])
