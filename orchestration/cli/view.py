@@ -12,7 +12,7 @@ from .console import open_page, say
 from .help import examples
 from .paths import PATH
 
-_PAGES = ("report.html", "campaign.html", "comparison.html")
+_PAGES = ("report.html", "campaign.html", "comparison.html", "review.html")
 """The pages that commands write, one a folder."""
 
 

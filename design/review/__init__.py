@@ -1,0 +1,1 @@
+"""`orchestrate review`: what a design review asks of a satellite, computed from its scenario."""

@@ -1,0 +1,127 @@
+"""Flights of a review: each a scenario that extends the reviewed one, flown once and kept.
+
+So a review goes on where it was stopped.
+
+A flight has two files in the folder: `NAME.yaml`, which `orchestrate` flies alike, and `NAME.npz` with its record and
+the hash of all that decides it. Tests: tests/design/review/test_flights.py.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import multiprocessing
+import os
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestration import InputError, Scenario
+from orchestration.errors import writing
+from orchestration.results.whole import put
+from orchestration.scenario.text import written
+from orchestration.session.open import open_fmus
+from orchestration.session.read import load, read
+from orchestration.session.run import whole
+from plant.so3 import Array
+
+INTERVAL = 2.0
+"""s between recorded samples."""
+
+
+@dataclass(frozen=True)
+class Flight:
+    name: str
+    changes: Mapping[str, Any]
+    """The scenario's entries over those of the file."""
+    signals: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Flown:
+    time: Array
+    signals: Mapping[str, Array]
+    failure: str
+    """Why it ended early, or ""."""
+    file: Path
+
+    def __getitem__(self, name: str) -> Array:
+        return self.signals[name]
+
+
+def fly(
+    file: Path, flights: Iterable[Flight], folder: Path, workers: int, tell: Callable[[int], None] = lambda n: None
+) -> dict[str, Flown]:
+    """Flies what has not been flown and returns all by name; `tell` is given how many are done.
+
+    `workers` 0 flies in this process. Raises InputError where a flight's scenario is wrong.
+    """
+    flights = list(flights)
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        for flight in flights:
+            put(folder / f"{flight.name}.yaml", _text(file, flight, folder))
+    paths = [folder / f"{flight.name}.yaml" for flight in flights]
+    if workers == 0 or len(paths) < 2:
+        for done, path in enumerate(paths, start=1):
+            _fly(path)
+            tell(done)
+    else:
+        spawned = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(min(workers, len(paths)), mp_context=spawned) as pool:
+            running = [pool.submit(_fly, path) for path in paths]
+            try:
+                for done, one in enumerate(as_completed(running), start=1):
+                    one.result()
+                    tell(done)
+            except BaseException:
+                pool.shutdown(cancel_futures=True)
+                raise
+    return {flight.name: _read(path) for flight, path in zip(flights, paths, strict=True)}
+
+
+def _text(file: Path, flight: Flight, folder: Path) -> str:
+    extends = os.path.relpath(file.resolve(), folder.resolve())
+    record = {"interval": INTERVAL, "signals": list(flight.signals)}
+    entries = {"expect": [], "figures": [], "record": record, **flight.changes}
+    return f"# Written by orchestrate review.\n{written({'name': flight.name, 'extends': extends, **entries})}"
+
+
+def _fly(path: Path) -> None:
+    """Flies a scenario and keeps its record, unless it is there."""
+    scenario = load(read(path))
+    kept, key = path.with_suffix(".npz"), _key(scenario)
+    if kept.exists() and _kept_key(kept) == key:
+        return
+    result = whole(scenario)
+    arrays: dict[str, Any] = {name: np.asarray(result[name]) for name in result}
+    failure = "" if result.failure is None else str(result.failure)
+    new = path.with_suffix(".new")
+    with new.open("wb") as file:
+        np.savez(file, **arrays, time=result.time, failure=np.array(failure), key=np.array(key))
+    new.replace(kept)
+
+
+def _key(scenario: Scenario) -> str:
+    fmus = {name: fmu.sha256 for name, fmu in sorted(open_fmus(scenario).items())}
+    return hashlib.sha256(f"{scenario.model_dump_json()} {fmus}".encode()).hexdigest()
+
+
+def _kept_key(path: Path) -> str:
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            return str(data["key"])
+    except (OSError, ValueError, KeyError):
+        return ""
+
+
+def _read(path: Path) -> Flown:
+    with np.load(path.with_suffix(".npz"), allow_pickle=False) as data:
+        signals = {name: data[name] for name in data.files if name not in ("time", "failure", "key")}
+        found = Flown(data["time"], signals, str(data["failure"]), path)
+    if not len(found.time):
+        raise InputError(f"{path}: {found.failure}")
+    return found

@@ -1,0 +1,196 @@
+"""The first sections of a review: the satellite's data with every assumption, and what disturbs it over an orbit.
+
+Tests: tests/design/review/test_inputs.py.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from plant.so3 import Array
+from plant.surroundings import Environment
+
+from ..plausible import findings
+from . import studies
+from .content import Curves, Section, Table, number
+from .drawing import drawing
+from .facts import Facts
+
+SAMPLES, ROUNDING = 241, 1e-9
+"""Of an orbit; share of the largest torque that is rounding."""
+MODELS = [
+    "Body: rigid; its surfaces are an octagonal cylinder. Flexible parts, fuel and moving panels are not modelled.",
+    "Orbit: two bodies; air by NRLMSISE-00 at a constant flux of the Sun; field by the model that is named.",
+    "Rods and wheels follow their commands without delay, within their limits.",
+    "Errors keep the size that the file states. Directions of constant vectors, signs of matrices and the seed of the "
+    "noise are drawn for each flight.",
+]
+
+
+def data(facts: Facts) -> Section:
+    """Returns the satellite's data, what is assumed, and a drawing."""
+    p, s = facts.satellite.p, facts.satellite
+    shown = [
+        ("scenario", str(facts.file)),
+        ("mass", f"{s.mass:g} kg" if s.mass else "not stated"),
+        ("principal moments of inertia", _listed(np.asarray(np.linalg.eigvalsh(s.J)), "kg.m2")),
+        ("inertia that the flight software believes less the true one", f"{_share(p.J_error_B, p.J_B):.3g} % of it"),
+        ("body", f"{1e3 * p.body_width:g} mm wide, {1e3 * p.body_length:g} mm long along {p.body_axis}"),
+        ("centre of mass from the middle", _listed(1e3 * p.center_of_mass_B, "mm")),
+        ("rods", f"{_listed(p.dipole_limit, 'A.m2')} at most"),
+        *((f"rod {i} along", _listed(axis)) for i, axis in enumerate(p.rods_to_body.T, start=1)),
+        ("orbit", f"{(p.orbit.semi_major_axis - 6378137.0) / 1e3:.1f} km high, inclined by "
+                  f"{math.degrees(p.orbit.inclination):.2f} deg, period {facts.period:.1f} s"),
+        ("epoch", p.epoch),
+        ("field", p.field_model),
+        ("air", f"drag coefficient {p.drag_coefficient:g}, F10.7 {p.f107:g}" if p.drag else "none: no drag"),
+        ("sunlight", f"{p.solar_specular:g} mirrored, {p.solar_diffuse:g} diffuse" if p.solar_pressure else "none"),
+        ("residual dipole", _listed(p.residual_dipole_B, "A.m2")),
+        ("constant torque", _listed(p.disturbance_torque_B, "N.m")),
+        ("goal of the hold", f"{math.degrees(facts.goal):g} deg"),
+        ("flight software", ", ".join(k for k in facts.blocks if not k.startswith(("plant", "estimate_")))),
+    ]  # fmt: skip
+    for i, (wheel, axis) in enumerate(zip(p.wheel_list, p.wheel_axes, strict=True), start=1):
+        if wheel.momentum_max > 1e-8:
+            shown.append(
+                (f"wheel {i}", f"{wheel.momentum_max:g} N.m.s, {wheel.torque_max:g} N.m, along {_listed(axis)}")
+            )
+    sensors = [
+        [name, _listed(values)]
+        for name, values in sorted(facts.starts.get("plant_sensors", {}).items())
+        if values.any()
+    ]
+    tables = [
+        Table("Data of the satellite", ["value", ""], [list(row) for row in shown]),
+        Table("Sensors", ["value, SI units", ""], sensors, "Values that are not zero, as plant_sensors takes them."),
+        Table("Assumptions", ["where", "what"], assumptions(facts), "Lines of the files that say 'assumed'."),
+        Table(
+            "Plausibility",
+            ["finding", "expected", "remedy"],
+            [[one.what, one.bound, one.remedy] for one in findings(facts.scenario, s.mass)],
+        ),
+    ]
+    notes = list(MODELS)
+    if not facts.starts.get("plant_sensors"):
+        notes.insert(0, "THERE ARE NO SENSORS: the flight software is given the truth.")
+    elif facts.size("plant_sensors", "attitude_noise") and "star tracker" in studies.contributors(facts):
+        noise = math.degrees(facts.size("plant_sensors", "attitude_noise"))
+        rate = math.degrees(facts.size("plant_sensors", "attitude_rate_max"))
+        limit = (
+            f"up to {rate:.3g} deg/s" if rate else "at any rate: no star tracker does this; these are PERFECT sensors"
+        )
+        notes.insert(0, f"Attitude is measured to {noise:.3g} deg, {limit}.")
+    else:
+        notes.insert(0, "No sensor measures attitude: it is estimated from field, Sun and rates.")
+    return Section("Satellite", tables, notes=notes, drawing=drawing(p))
+
+
+def assumptions(facts: Facts) -> list[list[str]]:
+    """Returns places and texts of the lines that say what is assumed, in the files that the scenario is made of."""
+    source = facts.scenario.source
+    files = sorted({source.file or "", *source.files.values()} - {""})
+    rows = []
+    for file in files:
+        for i, line in enumerate(Path(file).read_text("utf-8").splitlines(), start=1):
+            value, _, comment = line.partition("#")
+            if "assumed" in comment and value.strip():
+                rows.append([f"{Path(file).name}:{i}", f"{' '.join(value.split())}: {comment.strip()}"])
+    return rows
+
+
+def torques(facts: Facts) -> tuple[Array, dict[str, Array], Array]:
+    """Returns times (n,) s over an orbit, by cause torques (n, 3) N m in the body at the held attitude, and the
+    attitudes (n, 3, 3), N from B.
+    """
+    p = facts.satellite.p
+    times = np.linspace(0.0, facts.period, SAMPLES)
+    around = p.environment
+    found: dict[str, list[Array]] = {name: [] for name in ("gravity gradient", "drag", "sunlight", "residual dipole")}
+    attitudes = []
+    for t in times.tolist():
+        R = _held(around, facts.R_d0, t)
+        at = around.at(R, t)
+        attitudes.append(R)
+        found["gravity gradient"].append(at.tau_gg_B)
+        found["drag"].append(at.tau_drag_B)
+        found["sunlight"].append(np.zeros(3) if at.tau_solar_B is None else at.tau_solar_B)
+        found["residual dipole"].append(np.cross(p.residual_dipole_B, at.b_B))
+    arrays = {name: np.array(values) for name, values in found.items()}
+    arrays["constant"] = np.tile(p.disturbance_torque_B, (SAMPLES, 1))
+    return times, {name: values for name, values in arrays.items() if values.any()}, np.array(attitudes)
+
+
+def _held(around: Environment, R_d0: Array, t: float) -> Array:
+    r, v = around.orbit.position_velocity(t)
+    z = -r / np.linalg.norm(r)
+    y = -np.cross(r, v)
+    y = y / np.linalg.norm(y)
+    return np.asarray(np.stack([np.cross(y, z), y, z], axis=1) @ R_d0)
+
+
+def disturbances(facts: Facts) -> Section:
+    """Returns torques by cause over an orbit, the momentum that gathers, and the margins of rods and wheels."""
+    p, s = facts.satellite.p, facts.satellite
+    times, each, attitudes = torques(facts)
+    step = float(times[1] - times[0])
+    together = np.sum([*each.values(), np.zeros((SAMPLES, 3))], axis=0)
+    bounds = s.disturbances()
+    rows, gathered = [], {}
+    largest = float(np.linalg.norm(together, axis=1).max())
+    flat = [name for name, tau in each.items() if np.abs(tau).max() < ROUNDING * largest]
+    for name, tau in {**each, "all together": together}.items():
+        size = np.linalg.norm(tau, axis=1)
+        if name in flat:
+            size[:] = 0.0
+        H = np.cumsum(np.einsum("nij,nj->ni", attitudes, tau), axis=0) * step
+        gathered[name] = float(np.linalg.norm(H, axis=1).max())
+        bound = bounds.get(name, sum(bounds.values()) if name == "all together" else 0.0)
+        rows.append([name, *(f"{1e9 * v:.3g}" for v in (size.min(), size.mean(), size.max(), bound)),
+                     f"{0.0 if name in flat else 1e6 * gathered[name]:.3g}"])  # fmt: skip
+    margins = [
+        ["rods, weakest field", f"{1e6 * s.rods:.3g} uN.m", f"{1e6 * largest:.3g} uN.m", _ratio(s.rods, largest)]
+    ]
+    for i, wheel in enumerate(p.wheel_list, start=1):
+        if wheel.momentum_max > 1e-8:
+            for what, gives, needed, unit in (
+                ("momentum of an orbit", wheel.momentum_max, gathered["all together"], "N.m.s"),
+                ("torque", wheel.torque_max, largest, "N.m"),
+            ):
+                told = [f"{1e6 * value:.3g} u{unit}" for value in (gives, needed)]
+                margins.append([f"wheel {i}, {what}", *told, _ratio(gives, needed)])
+    columns = ["cause", "least, nN.m", "mean, nN.m", "largest, nN.m", "bound at any attitude, nN.m", "gathered, uN.m.s"]
+    note = (
+        "At the attitude that is held. Gathered: the largest size of the integral in inertial axes, without unloading."
+    )
+    curves = {name: (1e9 * np.linalg.norm(tau, axis=1)).tolist() for name, tau in each.items() if name not in flat}
+    return Section(
+        "Disturbances",
+        [
+            Table("Disturbance torques over an orbit", columns, rows, note),
+            Table("Margins of rods and wheels", ["actuator", "gives", "needed", "factor"], margins),
+        ],
+        [Curves("Disturbance torques", (times / 60.0).tolist(), "time, min", "torque, nN.m", curves, log=True)],
+    )
+
+
+def factors(facts: Facts) -> dict[str, float]:
+    """Returns the least factors of the rods' torque and of a wheel's momentum over what is needed."""
+    table = disturbances(facts).tables[1]
+    found = {"torque_margin": [row[3] for row in table.rows if row[0].startswith("rods")]}
+    found["momentum_margin"] = [row[3] for row in table.rows if row[0].endswith("orbit")]
+    return {name: min(map(float, texts)) for name, texts in found.items() if texts and "–" not in texts}
+
+
+def _ratio(gives: float, needed: float) -> str:
+    return number(gives / needed) if needed > 0.0 else "–"
+
+
+def _share(error: Array, whole: Array) -> float:
+    return 100.0 * float(np.linalg.norm(error) / np.linalg.norm(whole))
+
+
+def _listed(values: Array, unit: str = "") -> str:
+    return f"{', '.join(f'{v:.4g}' for v in np.ravel(values))} {unit}".rstrip()

@@ -1,0 +1,63 @@
+"""Stability margins of the hold, by what `orchestrate margins` does.
+
+Tests: tests/design/review/test_review.py.
+"""
+
+from __future__ import annotations
+
+from orchestration import BlockError, InputError
+from orchestration.scenario.source import Source
+from orchestration.session.open import open_scenario
+from orchestration.session.read import load
+from orchestration.session.session import Session
+
+from . import studies
+from .content import Section, Table
+from .facts import Facts
+
+try:
+    from orchestration.margins.inject import Rig
+    from orchestration.margins.measure import LONGEST, measure
+    from orchestration.margins.report import HEADER, Found
+    from orchestration.margins.site import site
+except ModuleNotFoundError as missing:
+    _MISSING = missing.name
+else:
+    _MISSING = None
+
+WHEN = 0.5
+"""Orbits after which the hold is measured."""
+
+
+def section(facts: Facts, source: Source) -> Section:
+    """Returns gain, phase, delay and disk margins where the loop has some, else the reason."""
+    if _MISSING:
+        return Section("Stability margins", notes=[f"Not measured: the package {_MISSING!r} is not installed."])
+    if facts.controller == "controller_planned":
+        text = (
+            "controller_planned solves a new plan at its own times: no linear loop, and no margins of a moment. "
+            "orchestrate margins --change seeks the gain, delay or parameter that loses it."
+        )
+        return Section("Stability margins", notes=[text])
+    port = f"{facts.plant}.wheel_torque_cmd" if facts.satellite.p.is_set else f"{facts.plant}.dipole_cmd"
+    for block, values in studies.hold(facts).items():
+        for name, value in values.items():
+            source = source.with_start(f"{block}.{name}", value)
+    source = source.without([("record",), ("expect",), ("figures",), ("live",)])
+    loaded = load(source.with_value("duration", f"{WHEN * facts.period:.6g} s", "review"))
+    try:
+        with Session(open_scenario(loaded)) as session:
+            plan = session.opened.plan
+            rig = Rig(session, site(plan, (port,)), round(loaded.duration / plan.clock.step))
+            longest = LONGEST * rig.period
+            response = measure(rig, max(int(longest / rig.period), 4))
+    except (InputError, BlockError) as error:
+        return Section("Stability margins", notes=[f"Not measured at {port}: {error}"])
+    if response.refused:
+        return Section("Stability margins", notes=[f"At {port} the loop has no margins: {response.refused}"])
+    found = Found.of(loaded.name, loaded.duration, response)
+    return Section(
+        "Stability margins",
+        [Table("Stability margins", list(HEADER), [list(row) for row in found.rows()], f"In the hold, at {port}.")],
+        notes=response.warnings,
+    )

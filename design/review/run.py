@@ -1,0 +1,90 @@
+"""A review from a scenario's file to its sections: what is flown, in which order, and what follows.
+
+Tests: tests/design/review/test_review.py.
+"""
+
+from __future__ import annotations
+
+import math
+from datetime import UTC, datetime
+from pathlib import Path
+from time import perf_counter
+
+from orchestration.session.read import read
+
+from . import inputs, manoeuvres, margins, pointing, studies, tumbles, verify
+from .content import Review, Section
+from .facts import Facts, facts
+from .flights import fly
+from .options import Options, Tell
+
+LIMITS = [
+    "Flexible parts, sloshing, moving panels and appendages: the body is rigid.",
+    "Failures of two parts at once, failures that come and go, the computer, the radio and the power supply.",
+    "Jitter faster than the step of the scenario, wheels' imbalance and their friction unless the file states it.",
+    "Alignment of an instrument to the body, thermal distortion, and mounting that the file does not state.",
+    "Orbits other than the one of the file, and what changes over the years: air, fuel, wear, ageing of sensors.",
+    "Delays of rods and wheels, delays of sensors, and the run time of the flight software.",
+    "The ground segment, the sequence of commissioning, and what an operator does.",
+]
+
+
+def review(file: Path, folder: Path, options: Options, tell: Tell) -> Review:
+    """Flies what is left of a review and returns it; the tables and the page are for the caller to write.
+
+    Raises InputError, and KeyboardInterrupt where a signal ends it: what has been flown stays.
+    """
+    begun = perf_counter()
+    found = facts(file, options.mass)
+    case, rows = tumbles.fly(found, options, folder, lambda done: tell("tumbles", done, options.runs))
+    place = folder / "flights"
+    holds = pointing.flights(found, options, case)
+    tracks, why = manoeuvres.station(found)
+    singles = [*manoeuvres.slews(found), *tracks, *manoeuvres.failing(found)]
+    flown = fly(file, holds, place, options.workers, lambda done: tell("holds", done, len(holds)))
+    flown |= fly(file, singles, place, options.workers, lambda done: tell("manoeuvres", done, len(singles)))
+    disturbed = inputs.disturbances(found)
+    agility, slew_time = manoeuvres.agility(found, flown)
+    station, station_error = manoeuvres.tracking(found, flown, why)
+    failures, after_failure = manoeuvres.failures(found, flown)
+    single = {
+        "slew_time": slew_time,
+        "station_error": station_error,
+        "error_after_failure": after_failure,
+        **inputs.factors(found),
+    }
+    required, said = verify.section(options, rows, single)
+    sections = [
+        inputs.data(found),
+        disturbed,
+        tumbles.section(found, options, case, rows),
+        pointing.section(found, options, flown),
+        agility,
+        station,
+        failures,
+        margins.section(found, read(file)),
+        manoeuvres.power(found, options, flown),
+        required,
+        _left(found),
+    ]
+    runs = options.runs + len(holds) + len(singles)
+    shown = {
+        "flights": f"{runs}, seed {options.seed}",
+        "confidence": f"{100 * options.confidence:g}%",
+        "windows": f"{options.window:g} s, {options.drift:g} s apart",
+        "wall time of this start": f"{perf_counter() - begun:.0f} s",
+        "finished": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+    }
+    return Review(found.scenario.name, found.scenario.description, shown, sections, said)
+
+
+def _left(found: Facts) -> Section:
+    """Returns what was not looked at."""
+    notes = list(LIMITS)
+    errors = studies.contributors(found)
+    missing = [name for name in studies.CONTRIBUTORS if name not in errors]
+    if missing:
+        notes.append(f"Errors that the file does not state, and that are taken as zero: {', '.join(missing)}.")
+    if not math.isfinite(found.satellite.goal or math.inf):
+        notes.append("The scenario states no goal of the hold: 5 deg were taken.")
+    return Section("What was not looked at", notes=notes)

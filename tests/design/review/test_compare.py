@@ -1,0 +1,68 @@
+"""Two reviews or two runs side by side, and their pages."""
+
+import pytest
+
+from design.review import compare, page
+from design.review.content import APART, Curves, Review, Section, Table, load
+from orchestration import InputError, run
+from orchestration.session.read import read
+
+
+def _review(name, settled, failure="wheel stuck"):
+    tables = [
+        Table("Time to settle", ["until", "median, s", "worst, s"], [["5 deg", settled, "900"], ["1 deg", "–", "–"]]),
+        Table("Single failures", ["failure", "rms, deg"], [["none", "1"], [failure, "3"]]),
+        Table("Slews", ["slew", "about", "after, s"], [["10 deg", "x", "18"], ["10 deg", "y", settled]]),
+    ]
+    curves = Curves("Settled", [0.0, 1.0], "time, min", "share", {"5 deg": [0.0, 1.0]})
+    return Review(
+        name, f"{name} <b>", {"seed": "1"}, [Section("Tumbles", tables, [curves], ["same", f"of {name}"])], ["met"]
+    )
+
+
+def test_cells_that_differ_have_both_values():
+    found = compare.compared(_review("a", "300"), _review("b", "400", "gyro frozen"), ("a", "b"))
+    settle, failures, slews = found.sections[0].tables
+    assert settle.rows == [["5 deg", f"300{APART}400", "900"], ["1 deg", "–", "–"]]
+    assert failures.rows[1:] == [["wheel stuck", f"3{APART}–"], ["gyro frozen", f"–{APART}3"]]
+    assert slews.rows[1] == ["10 deg", "y", f"300{APART}400"]  # two cells tell the rows apart
+    assert found.sections[0].notes == ["same", "a: of a", "b: of b"]
+    assert list(found.sections[0].figures[0].y) == ["5 deg, A", "5 deg, B"]
+    assert found.description.startswith("A: a. B: b. 4 values differ")
+
+
+def test_the_same_review_twice_has_no_difference():
+    found = compare.compared(_review("a", "300"), _review("a", "300"), ("a", "b"))
+    assert not any(APART in cell for table in found.sections[0].tables for row in table.rows for cell in row)
+
+
+def test_a_page_marks_differences_and_escapes_what_it_is_given(tmp_path):
+    text = page.page(compare.compared(_review("<i>", "300"), _review("b", "400"), ("<i>", "b")))
+    assert f'<span class="off">300{APART}400</span>' in text
+    assert "<i>" not in text.partition("<body>")[2]
+    assert '<span class="good">met</span>' not in text
+
+
+def test_a_review_is_read_back_as_it_was_saved(tmp_path):
+    saved = _review("a", "300")
+    saved.save(tmp_path)
+    assert load(tmp_path) == saved
+    assert (tmp_path / "time_to_settle.csv").read_text("utf-8").splitlines()[1] == "5 deg,300,900"
+    (tmp_path / "review.json").write_text("{}", "utf-8")
+    with pytest.raises(InputError, match=r"review\.json: expected what a review wrote"):
+        load(tmp_path)
+
+
+def test_two_runs_are_compared_by_start_values_and_expectations(satellite, tmp_path):
+    folders = []
+    for dipole in ("0.3 A.m2", "0.2 A.m2"):
+        folders.append(tmp_path / dipole[:3])
+        run(read(satellite), {"dipole_max": dipole}, duration="4 s", out=folders[-1])
+    strong, weak = map(compare.of_folder, folders)
+    found = compare.compared(strong, weak, ("strong", "weak"))
+    starts = {row[0]: row[1] for row in found.sections[0].tables[0].rows}
+    assert starts["plant.dipole_max"] == f"0.3{APART}0.2"
+    assert APART not in starts["plant.J_B"]
+    assert found.sections[1].figures
+    with pytest.raises(InputError, match="expected the folder of a review or of a run"):
+        compare.of_folder(tmp_path)

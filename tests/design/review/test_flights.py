@@ -1,0 +1,47 @@
+"""Flights of a review are flown once, and again where something that decides them has changed."""
+
+import pytest
+
+from design.review import flights
+from design.review.flights import Flight, fly
+from orchestration import InputError, run
+
+CHANGES = {"duration": "4 s", "blocks": {"plant": {"start": {"Q0": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}}}}
+SIGNALS = ("plant.R_NB", "judge.attitude_error")
+
+
+def test_a_flight_is_the_run_of_the_scenario_that_stands_beside_it(satellite, tmp_path):
+    flown = fly(satellite, [Flight("one", CHANGES, SIGNALS)], tmp_path, 0)["one"]
+    result = run(tmp_path / "one.yaml")
+    assert flown.time.tolist() == [0.0, 2.0, 4.0]
+    assert (flown["plant.R_NB"] == result["plant.R_NB"]).all()
+    assert flown.failure == ""
+
+
+def test_what_has_been_flown_is_not_flown_again(satellite, tmp_path, monkeypatch):
+    first = fly(satellite, [Flight("one", CHANGES, SIGNALS)], tmp_path, 0)["one"]
+    with monkeypatch.context() as patched:
+        patched.setattr(flights, "whole", lambda scenario: pytest.fail("it was flown again"))
+        again = fly(satellite, [Flight("one", CHANGES, SIGNALS)], tmp_path, 0)["one"]
+    assert (again["judge.attitude_error"] == first["judge.attitude_error"]).all()
+    changed = {**CHANGES, "duration": "6 s"}
+    assert len(fly(satellite, [Flight("one", changed, SIGNALS)], tmp_path, 0)["one"].time) == 4
+
+
+def test_a_damaged_record_is_flown_again(satellite, tmp_path):
+    fly(satellite, [Flight("one", CHANGES, SIGNALS)], tmp_path, 0)
+    (tmp_path / "one.npz").write_bytes(b"nothing")
+    assert len(fly(satellite, [Flight("one", CHANGES, SIGNALS)], tmp_path, 0)["one"].time) == 3
+
+
+def test_a_flight_that_fails_says_why(satellite, tmp_path):
+    lost = {**CHANGES, "faults": [{"at": "2 s", "cut": "judge.R_NB"}]}
+    flown = fly(satellite, [Flight("lost", lost, SIGNALS)], tmp_path, 0)["lost"]
+    assert flown.failure.startswith("judge: ")
+    assert len(flown.time) >= 1
+
+
+def test_a_wrong_change_is_told_with_its_place(satellite, tmp_path):
+    wrong = {"duration": "4 s", "blocks": {"plant": {"start": {"dipole": 1}}}}
+    with pytest.raises(InputError, match=r"one\.yaml:\d+.*dipole"):
+        fly(satellite, [Flight("one", wrong, SIGNALS)], tmp_path, 0)

@@ -1,0 +1,58 @@
+"""Data, assumptions and disturbances of the 3U, against closed forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+from design.review import facts as of
+from design.review import inputs
+
+
+def test_the_page_says_first_that_no_sensor_measures_attitude(facts):
+    assert inputs.data(facts).notes[0] == "No sensor measures attitude: it is estimated from field, Sun and rates."
+
+
+def test_perfect_sensors_are_named(four_wheels, tmp_path):
+    file = tmp_path / "perfect.yaml"
+    file.write_text(
+        f"name: perfect\nextends: {four_wheels}\nblocks: {{sensors: {{start: {{attitude_rate_max: 0}}}}}}\n", "utf-8"
+    )
+    assert "PERFECT" in inputs.data(of.facts(file, None)).notes[0]
+    assert "up to 0.5 deg/s" in inputs.data(of.facts(four_wheels, None)).notes[0]
+
+
+def test_assumptions_are_the_lines_of_the_files_that_say_so(facts):
+    rows = inputs.assumptions(facts)
+    assert any("residual_dipole_B" in text and place.startswith("satellite.yaml:") for place, text in rows)
+    assert any(text.startswith("orbit_outage_interval: 1200 s") for _, text in rows)
+
+
+def test_the_torque_of_the_residual_dipole_is_its_cross_product_with_the_field(facts):
+    times, each, attitudes = inputs.torques(facts)
+    p = facts.satellite.p
+    for i in (0, 100):
+        b_B = attitudes[i].T @ p.field.at(float(times[i]))
+        assert each["residual dipole"][i] == pytest.approx(np.cross([3e-3, -3e-3, 3e-3], b_B), rel=1e-9)
+
+
+def test_a_constant_torque_gathers_what_the_turning_body_leaves_of_it(satellite, tmp_path):
+    file = tmp_path / "pushed.yaml"
+    start = (
+        "drag: false, solar_pressure: false, residual_dipole_B: [0, 0, 0], gravity_gradient: false, "
+        "disturbance_torque_B: [1e-6, 0, 0]"
+    )
+    file.write_text(f"name: pushed\nextends: {satellite}\nblocks: {{plant: {{start: {{{start}}}}}}}\n", "utf-8")
+    facts = of.facts(file, None)
+    table, margins = inputs.disturbances(facts).tables
+    rows = {row[0]: row for row in table.rows}
+    assert rows["constant"][1:4] == ["1e+03", "1e+03", "1e+03"]
+    # In the plane of the orbit its direction turns once: at half of the orbit 2 tau T/(2 pi) has gathered.
+    assert float(rows["constant"][5]) == pytest.approx(1e6 * 1e-6 * facts.period / math.pi, rel=0.01)
+    assert float(margins.rows[1][3]) == pytest.approx(2e-3 / (1e-6 * facts.period / math.pi), rel=0.02)
+
+
+def test_the_drawing_has_each_rod_and_wheel(facts, four_wheels):
+    svg = inputs.data(of.facts(four_wheels, None)).drawing
+    assert all(f">{name}</text>" in svg for name in ("x", "y", "z", "u1", "u2", "u3", "w1", "w4"))
+    assert ">w2<" not in inputs.data(facts).drawing

@@ -1,0 +1,74 @@
+"""What a review flies, against the interfaces of the blocks: each scenario is checked against its FMUs."""
+
+import numpy as np
+import pytest
+
+from design.review import facts as of
+from design.review import manoeuvres, pointing, studies, tumbles
+from design.review.flights import _text
+from design.review.options import Options
+from orchestration.campaign.case import read_campaign
+from orchestration.scenario.text import written
+from orchestration.session.open import open_scenario
+from orchestration.session.read import load, read
+
+OPTIONS = Options(runs=3, members=5)
+
+
+def _case(facts, folder):
+    file = folder / "tumbles.yaml"
+    file.write_text(written(tumbles.campaign(facts, OPTIONS, folder)), "utf-8")
+    return read_campaign(file)
+
+
+def _opened(facts, flight, folder):
+    (folder / "flight.yaml").write_text(_text(facts.file, flight, folder), "utf-8")
+    return open_scenario(load(read(folder / "flight.yaml")))
+
+
+def test_the_contributors_of_a_cubesat_are_those_that_its_files_state(facts, four_wheels):
+    named = studies.contributors(facts)
+    assert "star tracker" not in named
+    assert {"gyro", "magnetometer", "field of view of sun sensors", "residual dipole", "sunlight"} <= set(named)
+    assert "constant torque" not in named
+    assert "star tracker" in studies.contributors(of.facts(four_wheels, None))
+
+
+def test_errors_keep_their_size_in_each_draw(facts, tmp_path):
+    case = _case(facts, tmp_path)
+    for i in range(3):
+        drawn = tumbles.draw(case, i)
+        assert np.linalg.norm(drawn["plant.residual_dipole_B"]) == pytest.approx(3e-3 * np.sqrt(3.0))
+        assert np.linalg.norm(drawn["plant.omega_B0"]) == pytest.approx(np.radians(np.sqrt(17.0)))
+        assert abs(drawn["plant.J_error_B"][0][0]) == pytest.approx(0.002093)
+
+
+@pytest.mark.parametrize("wheels", ["one", "four"])
+def test_each_flight_of_a_review_fits_its_blocks(wheels, facts, four_wheels, tmp_path):
+    found = facts if wheels == "one" else of.facts(four_wheels, None)
+    holds = pointing.flights(found, OPTIONS, _case(found, tmp_path))
+    tracks, why = manoeuvres.station(found)
+    assert bool(tracks) == (wheels == "one")
+    assert ("takes no reference" in why) == (wheels == "four")
+    failing = manoeuvres.failing(found)
+    for flight in (holds[0], holds[-1], manoeuvres.slews(found)[0], *tracks, failing[-1]):
+        _opened(found, flight, tmp_path)
+    assert len(failing) == 1 + len(studies.failures(found))
+
+
+def test_a_case_takes_away_what_its_name_says(facts, tmp_path):
+    flights = {flight.name: flight for flight in pointing.flights(facts, OPTIONS, _case(facts, tmp_path))}
+    assert len(flights) == 5 + 1 + 2 * len(studies.contributors(facts))
+    alone = flights["hold-gyro_alone-0"].changes["blocks"]
+    assert alone["plant"]["start"]["residual_dipole_B"] == [0, 0, 0]
+    assert np.linalg.norm(alone["sensors"]["start"]["rate_bias_B"]) > 0.0
+    assert alone["sensors"]["start"]["field_bias_B"] == [0, 0, 0]
+    left = flights["hold-without_gyro-0"].changes["blocks"]
+    assert left["sensors"]["start"]["rate_bias_B"] == [0, 0, 0]
+    assert np.linalg.norm(left["sensors"]["start"]["field_bias_B"]) > 0.0
+
+
+def test_a_held_attitude_is_at_rest_relative_to_the_orbit(facts, tmp_path):
+    start = studies.turned(facts, manoeuvres._turn(2, 0.5))["plant"]
+    n = 2.0 * np.pi / facts.period
+    assert np.asarray(start["Q0"]) @ start["omega_B0"] == pytest.approx([0.0, -n, 0.0], abs=1e-15)
