@@ -33,6 +33,7 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 COMMANDS = {
     "build": "orchestration.cli.build",
     "campaign": "orchestration.cli.campaign",
+    "card": "orchestration.cli.card",
     "check": "orchestration.cli.check",
     "compare": "orchestration.cli.compare",
     "export": "orchestration.cli.export",

@@ -10,7 +10,8 @@ Tests: tests/orchestration/acceptance/test_polarity.py.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -48,21 +49,40 @@ class Step:
 
 
 @dataclass(frozen=True)
+class Trial:
+    """A stimulus in numbers: values (elements,) by the names of the ports, before it and at its end."""
+
+    block: str
+    port: str
+    axis: int
+    """The element that is changed; of a rotation the column about which it is turned."""
+    turned: float | None
+    """Of a rotation by how much, rad."""
+    hold: float
+    steps: int
+    """Steps of the block in this time."""
+    inputs: tuple[dict[str, Floats], dict[str, Floats]]
+    outputs: tuple[dict[str, Floats], dict[str, Floats]]
+    """Those that answer."""
+
+
+@dataclass(frozen=True)
 class Card:
     """The lines, and for each block the inputs at which it stands before each stimulus."""
 
     steps: list[Step]
     base: dict[str, dict[str, str]]
+    trials: list[Trial] = field(default_factory=list)
 
 
-def card(loop: Loop) -> Card:
-    """Returns the test card of a loop's blocks."""
+def card(loop: Loop, blocks: Sequence[str] | None = None) -> Card:
+    """Returns the test card of a loop's blocks, or of these."""
     fed = [node for link in loop.plan.wiring.links for node in link.source]
     models = loop.plan.models.items()
     reals = [Node(block, e) for block, m in models for v in m.of("output") if v.type == "real" for e in v.elements]
     _, signals = loop.record(list(dict.fromkeys([*fed, *reals])))
     made = Card([], {})
-    for block in loop.plan.models:
+    for block in blocks or loop.plan.models:
         if flown := flown_inputs(loop, block, signals):
             _Stand(loop, block, flown, signals).run(made)
     return made
@@ -96,9 +116,9 @@ class _Stand:
         for name, values in self.flown.items():
             axes = 3 if kind_of(variables[name], range(values.shape[1]), values) == "rotation" else values.shape[1]
             for axis in range(axes):
-                card.steps.extend(self._axis(name, values, axis, at_rest))
+                card.steps.extend(self._axis(card, name, values, axis, at_rest))
 
-    def _axis(self, name: str, values: Floats, axis: int, at_rest: dict[str, Floats]) -> list[Step]:
+    def _axis(self, card: Card, name: str, values: Floats, axis: int, at_rest: dict[str, Floats]) -> list[Step]:
         """Returns the lines of one axis of an input, with less of it where a limit or a hold keeps all as it is."""
         port, hold = f"{self.block}.{name}", self.count * self.clock.step
         lines: list[Step] = []
@@ -118,6 +138,12 @@ class _Stand:
             listed = sorted((n for n in shares if shares[n] > _SMALL * share), key=lambda n: -shares[n])[:_OUTPUTS]
             if listed:
                 of = self.model.variables
+                before = {n: rows[0] for n, rows in self.base.items()}
+                turned = _TURN if text.startswith(f"{name} turned") else None
+                steps = self.count // self.loop.plan.scenario.blocks[self.block].every
+                outputs = tuple({n: given[n] for n in listed} for given in (at_rest, after))
+                inputs = before, {**before, name: stimulated}
+                card.trials.append(Trial(self.block, name, axis, turned, hold, steps, inputs, (outputs[0], outputs[1])))
                 return [Step(self.block, port, text, hold, n, _vector(of[n], changes[n], sign=True)) for n in listed]
             lines = lines or [Step(self.block, port, text, hold, "", "no output changes")]
         return lines
