@@ -13,7 +13,7 @@ from ..acceptance.check import check
 from ..acceptance.polarity import card_page
 from ..acceptance.polarity.card import card
 from ..acceptance.polarity.fly import Loop
-from ..acceptance.polarity.vendor_card import lines
+from ..acceptance.polarity.vendor_card import lines, settings
 from ..acceptance.vector import name_of, scenario_of
 from ..errors import InputError
 from ..fmu.archive import shown
@@ -61,11 +61,12 @@ def command(fmu: Path, as_: str, map_: Path | None, scenario: Path | None, out: 
         raise InputError(f"{shown(path)} has no block with the interface {as_!r}")
     target = out or Path("results") / f"{fmu.stem}-card"
     check_writable(target)
-    made = lines(card(Loop(source), [block]).trials, fitted)
+    loop = Loop(source)
+    made = lines(card(loop, [block]).trials, fitted)
     if not made:
         raise InputError(f"{shown(fmu)}: no stimulus of {shown(path)} changes an output that it has")
     about = {"fmu": fmu.name, "as": as_, "mapping": map_.name if map_ else "none", "stimuli of": load(source).name}
-    files = card_page.write(made, about, target)
+    files = card_page.write(made, about, target, settings(fitted, loop.plan.starts[block]))
     answers = sum(len(line.outputs) for line in made)
     say(f"{shown(fmu)} as {as_}: {len(made)} stimuli, {answers} answers", bold=True)
     say(f"card in {target}: {', '.join(path.name for path in files)}")

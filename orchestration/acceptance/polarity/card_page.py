@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -35,11 +36,13 @@ _STYLE = """
 _COLOURS = "#c0392b", "#1e8449", "#2471a3"
 
 
-def write(card: list[Line], about: Mapping[str, str], folder: Path) -> list[Path]:
+def write(
+    card: list[Line], about: Mapping[str, str], folder: Path, parameters: list[tuple[str, Any, str]]
+) -> list[Path]:
     """Writes the files. Raises ResultsError."""
     texts = {
-        "card.html": page(card, about),
-        "card.json": json.dumps(as_data(card, about), indent=1, ensure_ascii=False) + "\n",
+        "card.html": page(card, about, parameters),
+        "card.json": json.dumps(as_data(card, about, parameters), indent=1, ensure_ascii=False) + "\n",
         "card.py": asset(_HERE.with_name("card_script.py.template")),
     }
     with writing(folder):
@@ -49,17 +52,19 @@ def write(card: list[Line], about: Mapping[str, str], folder: Path) -> list[Path
     return [folder / name for name in texts]
 
 
-def page(card: list[Line], about: Mapping[str, str]) -> str:
+def page(card: list[Line], about: Mapping[str, str], parameters: list[tuple[str, Any, str]]) -> str:
     """Returns the page."""
     title = f"Ground test card of {about['fmu']}"
     lead = (
-        f"In the place of {about['as']}, in the names, units and axes of {about['fmu']}. Set all inputs to their "
-        "values before a step, start the block, set what the step says, wait, and read. "
+        f"In the place of {about['as']}, in the names, units and axes of {about['fmu']}. Set the parameters and "
+        "all inputs before a step, start the block, set what the step says, wait, and read. "
         "(+) rises, (-) falls, (0) stays."
     )
     blanks = [*("unit under test", "serial number", "place and date", "tested by"), "verdict"]
     head = header(title, lead, [], facts(dict(about)), facts({name: blank() for name in blanks}))
-    body = joined([base(card), *steps(card)])
+    rows = [(name, number(value) if isinstance(value, float) else value, unit) for name, value, unit in parameters]
+    set_ = section("Parameters", table(("parameter", "value", "unit"), rows))
+    body = joined([set_, base(card), *steps(card)])
     return Page().html(title, [head, Markup('<div class="card">{}</div>').format(body)], style=_STYLE)
 
 

@@ -7,7 +7,7 @@ Tests: tests/orchestration/acceptance/test_vendor_card.py.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from ...fmu.model import Element, Floats
 from ...quantities import shown
 from ...swap.findings import Fit
 from ...swap.named_values import handed_on
+from ...system.starts import Start
 from .card import Trial
 
 _SHARE = 0.05
@@ -87,6 +88,13 @@ def lines(trials: list[Trial], fit: Fit) -> list[Line]:
     return made
 
 
+def settings(fit: Fit, starts: Iterable[Start]) -> list[tuple[str, Any, str]]:
+    """Returns name, value and unit of each parameter of theirs that the run sets."""
+    values = handed_on(fit, [(start.element, start.value) for start in starts])
+    own = [e for e in values if fit.theirs.variables[e.variable].causality == "parameter"]
+    return [(_name(fit, e), values[e], _unit(fit, e)) for e in own]
+
+
 def body_axes(fit: Fit) -> Floats:
     """Returns the axes of their vectors in ours (rows); those of ours where no vector of theirs has others."""
     for link in fit.links.values():
@@ -130,9 +138,13 @@ def _stem(fit: Fit, element: Element) -> str:
 
 
 def _reading(fit: Fit, element: Element, before: float, after: float, largest: float = 0.0) -> Reading:
-    unit = fit.theirs.variables[element.variable].at([element.position]).unit
     tolerance = max(_SHARE * abs(after - before), _FLOOR * largest)
-    return Reading(_name(fit, element), "" if unit is None else shown(unit), before, after, tolerance)
+    return Reading(_name(fit, element), _unit(fit, element), before, after, tolerance)
+
+
+def _unit(fit: Fit, element: Element) -> str:
+    unit = fit.theirs.variables[element.variable].at([element.position]).unit
+    return "" if unit is None else shown(unit)
 
 
 def _text(trial: Trial, inputs: list[Reading], axes: Floats) -> str:
@@ -152,10 +164,11 @@ def _turned(trial: Trial, axes: Floats) -> tuple[Floats, Floats] | None:
     return before, after
 
 
-def as_data(card: list[Line], about: Mapping[str, Any]) -> dict[str, Any]:
+def as_data(card: list[Line], about: Mapping[str, Any], parameters: list[tuple[str, Any, str]]) -> dict[str, Any]:
     """Returns the card as plain data, for the script and for others."""
     return {
         **about,
+        "parameters": {name: value for name, value, _ in parameters},
         "steps": [
             {
                 "stimulus": line.text,
