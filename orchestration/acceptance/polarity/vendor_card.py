@@ -78,7 +78,9 @@ def lines(trials: list[Trial], fit: Fit) -> list[Line]:
             port = _stem(fit, e)
             largest[port] = max(largest.get(port, 0.0), abs(answers[1][e] - answers[0][e]))
         outputs = [
-            _reading(fit, e, *(a[e] for a in answers), largest[_stem(fit, e)]) for e in wanted if largest[_stem(fit, e)]
+            _reading(fit, e, answers[0][e], answers[1][e], largest[_stem(fit, e)])
+            for e in wanted
+            if largest[_stem(fit, e)]
         ]
         given = [_reading(fit, e, before[e], after[e]) for e in before]
         inputs = [reading for reading in given if reading.before != reading.after]
