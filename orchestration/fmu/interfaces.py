@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 from fmus.block import start_values
-from fmus.interface import BLOCKS, LOOP, load
+from fmus.interface import BLOCKS, INTERFACES, LOOP, SETS, load
 
 from ..errors import InputError, hint
 from ..paths import located
@@ -63,6 +64,13 @@ def reference(name: str, folder: Path) -> Interface:
         if element.start is not None
     }
     return Interface(name, _model(interface), starts, needed, {block: _model(other) for block, other in loop.items()})
+
+
+@cache
+def pages() -> Mapping[str, Mapping[str, Any]]:
+    """What a page that flies offers of blocks with the project's own interfaces, by their names."""
+    own_ = tomllib.loads((INTERFACES / "pages.toml").read_text("utf-8"))
+    return {block: own_.get(SETS[block][0] if block in SETS else block, {}) for block in BLOCKS}
 
 
 def view(block: str) -> Mapping[str, Any]:

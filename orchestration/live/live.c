@@ -72,6 +72,16 @@ EXPORT(faults) int32_t *fault_place(void)
     return acting;
 }
 
+EXPORT(shifts) int32_t *shift_place(void)
+{
+    return shifted;
+}
+
+EXPORT(observed) double *observed_place(void)
+{
+    return loop.observed_rows;
+}
+
 EXPORT(rows) double *row_place(void)
 {
     return loop.rows;
@@ -185,7 +195,11 @@ static int initialize(double stop)
             return 1;
         }
     }
-    return record(0);
+    const int bad = record(0);
+    for (size_t i = 0; i < loop.observed_count; i++) {
+        loop.observed_rows[i] = loop.bus[loop.observed[i]];
+    }
+    return bad;
 }
 
 /* Makes new instances and the values at t = 0, in the first row. Returns 0, or 1 with a message. */
@@ -197,9 +211,13 @@ EXPORT(begin) int begin(void)
     memset(loop.bus, 0, bus_size * sizeof loop.bus[0]);
     loop.count = 0;
     for (size_t i = 0; i < loop.disturbance_count; i++) {
-        loop.disturbances[i].acts = acting[fault_of[i]];
-        loop.disturbances[i].held = 0;
+        Disturbance *it = &loop.disturbances[i];
+        it->acts = acting[fault_of[i]];
+        it->held = 0;
+        it->first = spans[i][0] + shifted[fault_of[i]];
+        it->last = spans[i][1] == INT64_MAX ? INT64_MAX : spans[i][1] + shifted[fault_of[i]];
     }
+    order_changes();
     loop.rows = allocate((size_t)(steps / loop.interval) + 2, loop.column_count * sizeof(double));
     if (loop.rows == NULL) {
         put("the recording takes more memory than this browser gives");
@@ -208,19 +226,21 @@ EXPORT(begin) int begin(void)
     return initialize((double)steps * loop.numerator / loop.denominator);
 }
 
-/* Runs up to so many base steps. Returns 0, or 1 with a message. */
+/* Runs up to so many base steps, at most OBSERVED more; what is observed after each lies in the rows for it from the first
+ * on. Returns 0, or 1 with a message. */
 EXPORT(advance) int advance(double until)
 {
     const int64_t end = (int64_t)until < steps ? (int64_t)until : steps;
+    loop.observed_first = loop.count + 1;
     while (loop.count < end) {
         int64_t stretch = end;
-        for (; next_change < change_count && changes[next_change].due <= loop.count; next_change++) {
-            if (acting[changes[next_change].fault] && make_change(next_change)) {
+        for (; next_change < change_count && due(next_change) <= loop.count; next_change++) {
+            if (make_change(next_change)) {
                 return 1;
             }
         }
-        if (next_change < change_count && changes[next_change].due < end) {
-            stretch = changes[next_change].due;
+        if (next_change < change_count && due(next_change) < end) {
+            stretch = due(next_change);
         }
         if (run_loop(&loop, stretch)) {
             if (message[0] == '\0') {

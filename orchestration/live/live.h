@@ -37,15 +37,18 @@ typedef struct {
     size_t set_count;
 } Level;
 
-/* The begin or the end of a fault that sets values. Its element i is number elements[i] of those that faults set. */
+/* The begin or the end of a fault that sets values, or values of the timeline, which lie below those of faults. Its element
+ * i is number elements[i] of those that are set. */
 typedef struct {
-    int64_t due; /* made once so many base steps are done */
-    size_t end;  /* of a begin: which change ends it, change_count where none does; of an end 0 */
+    int64_t count; /* of base steps, from which on it is made between two steps of its block */
+    int64_t every; /* the base steps of one of these */
+    enum { BEGIN, END, GIVE } kind;
+    size_t setting; /* which begins or ends */
     size_t fault;
     size_t seat;
     const size_t *elements;
     const double *values;
-    size_t count;
+    size_t value_count;
     const Exchange *gets; /* into element_before */
     size_t get_count;
     const Exchange *sets; /* from element_given */
@@ -99,13 +102,22 @@ extern double element_before[]; /* of each element that faults set: as it stands
 extern double element_sound[];  /* as it stands without a fault, */
 extern double element_given[];  /* and what it is set to */
 extern double start_values[];
-extern int32_t acting[];        /* of each fault, whether it is injected */
-extern const size_t fault_of[]; /* of each disturbance */
+extern size_t change_order[];    /* the changes in the order in which they are made */
+extern int32_t acting[];         /* of each fault, whether it is injected; behind them the timeline, which is */
+extern int32_t shifted[];        /* and by how many base steps later than the scenario has it */
+extern const size_t fault_of[];  /* of each disturbance, */
+extern const int64_t spans[][2]; /* and its first and last in the scenario */
 
 /* Whether a call to a seat failed by its status, and a message of it. */
 int failed(size_t seat, int status);
 
-/* Makes the change of this number. Returns 0, or 1 with a message. */
-int make_change(size_t number);
+/* Brings the changes into the order of their times. */
+void order_changes(void);
+
+/* Once how many base steps are done the change in this place of the order is made. */
+int64_t due(size_t place);
+
+/* Makes the change in this place where its fault is injected. Returns 0, or 1 with a message. */
+int make_change(size_t place);
 
 #endif

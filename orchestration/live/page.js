@@ -1,11 +1,21 @@
-// The controls of a live page: what they stand at goes to the worker, what it has flown to the plots.
+// The controls of a live page: what they stand at goes to the worker, what it has flown to plots, view and verdicts.
 (() => {
   const { live } = JSON.parse(document.getElementById("data").textContent);
+  const { steps, numerator, denominator, expect } = live.given;
   const at = (id) => document.getElementById(id);
-  const inputs = [...document.querySelectorAll("[data-control]")];
-  const buttons = [...document.querySelectorAll("[data-fault]")];
-  const moved = new Set(); // the others have the scenario's own values, to the last bit
-  const on = () => buttons.map((button) => Number(button.getAttribute("aria-pressed") === "true"));
+  const all = (name) => [...document.querySelectorAll(`[data-${name}]`)];
+  const [inputs, typed, buttons, times] = ["control", "typed", "fault", "at"].map(all);
+  const instant = (count) => (count * numerator) / denominator;
+  const counted = (time) => Math.ceil((time * denominator) / numerator - 1e-9 * Math.max(1, time));
+  const bounded = (v, least, most) => Math.min(most, Math.max(least, v));
+
+  // What differs from the scenario: positions of sliders by number (the others have its values to the last bit), whether
+  // each fault is injected, and by how many base steps later than the scenario has it.
+  const own = () => ({ moved: {}, on: live.faults.map((fault) => Number(fault.own)), shifts: live.faults.map(() => 0) });
+  let now = own(), dragging = false, whole = null;
+  const past = [];
+  const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+  const begins = (i) => counted(live.faults[i].data.at) + now.shifts[i];
 
   // ---------------------------------------------------------------- start values
 
@@ -17,13 +27,13 @@
   }
   function starts() {
     const values = Float64Array.from(live.starts);
-    for (const number of moved) {
+    for (const [number, position] of Object.entries(now.moved)) {
       const { measure, axis, factor, offset, places } = live.controls[number];
-      const value = (Number(inputs[number].value) - offset) / factor;
-      for (const own of places) {
-        const norm = Math.hypot(...own.map((place) => live.starts[place]));
-        const given = measure === "rotation" ? turned(axis, value) : own.map((place) => (measure === "norm" ? live.starts[place] * (value / norm) : value));
-        own.forEach((place, i) => { values[place] = given[i]; });
+      const value = (position - offset) / factor;
+      for (const mine of places) {
+        const norm = Math.hypot(...mine.map((place) => live.starts[place]));
+        const given = measure === "rotation" ? turned(axis, value) : mine.map((place) => (measure === "norm" ? live.starts[place] * (value / norm) : value));
+        mine.forEach((place, i) => { values[place] = given[i]; });
       }
     }
     return values;
@@ -33,29 +43,59 @@
     const part = values.length / size;
     return Array.from({ length: size }, (_, i) => nested(values.slice(i * part, (i + 1) * part), rest));
   }
-  function scenario(values, faults) {
+  function faultOf(i) { // as a scenario has it
+    const { data } = live.faults[i], later = (time) => instant(counted(time) + now.shifts[i]);
+    if (!now.shifts[i]) return data;
+    return { ...data, at: later(data.at), ...(data.until === undefined ? {} : { until: later(data.until) }) };
+  }
+  function scenario(values) {
     const blocks = {};
-    for (const number of moved) {
+    for (const number of Object.keys(now.moved)) {
       for (const { block, name, shape, places } of live.controls[number].names) {
         blocks[block] = { start: { ...blocks[block]?.start, [name]: nested(places.map((place) => values[place]), shape) } };
       }
     }
     const lines = [`name: ${live.name}_live`, `extends: ${JSON.stringify(live.file)}`, `step: ${live.step} s`, `duration: ${live.duration} s`];
-    if (moved.size) lines.push("blocks:");
+    if (Object.keys(blocks).length) lines.push("blocks:");
     for (const [block, { start }] of Object.entries(blocks)) {
       lines.push(`  ${block}:`, "    start:", ...Object.entries(start).map(([name, value]) => `      ${JSON.stringify(name)}: ${JSON.stringify(value)}`));
     }
-    const acting = live.faults.filter((_, i) => faults[i]);
-    if (live.faults.length) lines.push(acting.length ? "faults:" : "faults: []", ...acting.map((fault) => `  - ${JSON.stringify(fault.data)}`));
+    const acting = live.faults.map((_, i) => i).filter((i) => now.on[i]);
+    if (live.faults.length) lines.push(acting.length ? "faults:" : "faults: []", ...acting.map((i) => `  - ${JSON.stringify(faultOf(i))}`));
     return `${lines.join("\n")}\n`;
+  }
+
+  // ---------------------------------------------------------------- the address
+
+  const named = (i) => `fault${i + 1}`;
+  function address() { // the changed values, so that a link shows the same flight
+    const first = own(), parts = Object.entries(now.moved).map(([i, value]) => [live.controls[i].start, value]);
+    live.faults.forEach((_, i) => {
+      if (now.on[i] !== first.on[i] || now.shifts[i]) parts.push([named(i), now.on[i] ? instant(begins(i)) : "off"]);
+    });
+    return new URLSearchParams(parts).toString();
+  }
+  function ofAddress() {
+    const given = new URLSearchParams(location.hash.slice(1)), read = own();
+    live.controls.forEach(({ start }, i) => {
+      const value = Number(given.get(start) || NaN);
+      if (Number.isFinite(value)) read.moved[i] = bounded(value, Number(inputs[i].min), Number(inputs[i].max));
+    });
+    live.faults.forEach(({ data, most }, i) => {
+      const text = given.get(named(i));
+      if (text === null) return;
+      read.on[i] = Number(text !== "off");
+      if (text !== "off" && Number.isFinite(Number(text))) read.shifts[i] = bounded(counted(Number(text)), 0, most) - counted(data.at);
+    });
+    return read;
   }
 
   // ---------------------------------------------------------------- flights
 
   const worker = new Worker(URL.createObjectURL(new Blob([live.worker], { type: "text/javascript" })));
-  let number = 0, busy = false, wanted = false;
+  let number = 0, busy = false, wanted = false, opening = true;
   let file = null, soon = null;
-  const state = (name) => { document.documentElement.dataset.state = name; }; // dims what is of the flight before
+  const state = (name) => { document.documentElement.dataset.state = name; };
   function badge(kind, text) {
     at("verdict").textContent = text;
     at("verdict").className = `badge ${kind}`;
@@ -65,59 +105,136 @@
     wanted = busy;
     if (busy) return;
     busy = true;
-    state("flying"); // a short flight shows nothing of it
-    soon = setTimeout(() => badge("plain", "flying"), 200);
-    const values = starts(), faults = on();
-    const text = scenario(values, faults);
+    state("flying");
+    soon ??= setTimeout(() => { at("speed").textContent = "flying"; }, 200); // a short flight shows nothing of it
+    const values = starts(), text = scenario(values);
     at("scenario").textContent = text;
     if (file) URL.revokeObjectURL(file);
     file = at("save").href = URL.createObjectURL(new Blob([text], { type: "text/yaml" }));
-    worker.postMessage({ ...first, number: ++number, starts: values, faults });
+    worker.postMessage({ ...first, number: ++number, starts: values, faults: now.on, shifts: now.shifts });
     first = {};
   }
+  function found({ unit, expected }, { value, time }) {
+    if (value === null) return "";
+    const shown = typeof value === "string" ? value : / (true|false)$/.test(expected) ? String(Boolean(value)) : `${timeline.figures(value, 4)} ${unit}`.trim();
+    return time === null ? shown : `${shown} at ${timeline.figures(time, 5)} s`;
+  }
+  let before = []; // the verdicts of the flight before
+  function judge(verdicts, part) {
+    all("expect").forEach((row, i) => {
+      const { status } = verdicts[i], [word, , value] = row.cells;
+      word.firstChild.textContent = status;
+      word.firstChild.className = { met: "good", failed: "bad" }[status] || "warn";
+      value.textContent = found(expect[i], verdicts[i]);
+      row.classList.toggle("changed", Boolean(before[i]) && before[i].status !== status && !part);
+    });
+    const unmet = verdicts.filter(({ status }) => status !== "met").length, n = verdicts.length;
+    if (!n) badge("plain", same(now, own()) ? "the scenario's own values" : "changed values");
+    else if (part) badge("plain", `${n - unmet} of ${n} expectations met up to here`);
+    else badge(unmet ? "bad" : "good", unmet ? `${unmet} of ${n} expectations not met` : `all ${n} expectations met`);
+  }
   worker.onmessage = ({ data }) => {
+    if (data.number !== number) return;
     busy = false;
-    clearTimeout(soon);
-    state(data.failure ? "failed" : "shown");
-    at("failure").textContent = data.failure || "";
-    const own = !moved.size && on().every((acts, i) => Boolean(acts) === live.faults[i].own);
-    at("hash").textContent = data.hash || (data.failure ? "none, since the run failed" : "none: this browser gives it over https only");
-    const same = own && data.hash ? data.hash === live.hash : null;
-    at("same").textContent = same === null ? "" : same ? "the same as of the native run" : "not that of the native run";
-    at("same").className = `badge ${same ? "good" : "bad"}`;
-    if (data.failure) badge("bad", `failed${data.reached === undefined ? "" : ` after ${data.reached} s`}; the curves are of the flight before`);
-    else badge(own ? "good" : "warn", own ? "the scenario's own values" : "changed values");
-    if (!data.failure) {
-      at("speed").textContent = `${live.duration} s flown in ${data.flown.toFixed(0)} ms`;
-      const spans = live.faults.filter((_, i) => on()[i]).map((fault) => fault.span);
-      document.dispatchEvent(new CustomEvent("flown", { detail: { plots: data.plots, phases: data.phases, view: data.view, faults: spans } }));
+    const { part, failure } = data, mine = same(now, own());
+    if (part && opening && mine) return; // the page has this flight already
+    if (!part) {
+      clearTimeout(soon);
+      soon = null;
+      opening = false;
+      state(failure ? "failed" : "shown");
+      at("failure").textContent = failure || "";
+      at("hash").textContent = data.hash || (failure ? "none, since the run failed" : "none: this browser gives it over https only");
+      const equal = mine && data.hash ? data.hash === live.hash : null;
+      at("same").textContent = equal === null ? "" : equal ? "the same as of the native run" : "not that of the native run";
+      at("same").className = `badge ${equal ? "good" : "bad"}`;
     }
-    Object.assign(document.documentElement.dataset, { flown: data.number, hash: data.hash || "", ms: data.flown || "", all: data.all || "" });
+    if (failure) {
+      badge("bad", `failed${data.reached === undefined ? "" : ` after ${data.reached} s`}; the curves are of the flight before`);
+      at("speed").textContent = "";
+    } else {
+      const reached = timeline.figures(part ? data.reached : live.duration, 5);
+      at("speed").textContent = part ? `${Math.round((100 * data.reached) / live.duration)} % flown` : `${reached} s flown in ${timeline.figures(data.flown / 1000, 2)} s`;
+      const spans = live.faults.map((_, i) => i).filter((i) => now.on[i]).map((i) => live.faults[i].span.map((t) => Math.min(live.duration, t + instant(now.shifts[i]))));
+      document.dispatchEvent(new CustomEvent("flown", { detail: { plots: data.plots, phases: data.phases, view: data.view, faults: spans } }));
+      judge(data.verdicts, part);
+      if (!part) whole = data.verdicts;
+    }
+    Object.assign(document.documentElement.dataset, part ? { reached: data.reached } : { flown: data.number, hash: data.hash || "", ms: data.flown || "", all: data.all || "", memory: data.memory || "", verdicts: JSON.stringify(data.verdicts || []) });
     if (wanted) fly();
   };
 
   // ---------------------------------------------------------------- controls
 
-  function say(i) {
-    const { unit } = live.controls[i], output = inputs[i].parentElement.querySelector("output");
-    output.textContent = `${Number(Number(inputs[i].value).toPrecision(4))}${unit === "1" ? "" : ` ${unit}`}`.replace("-", "\u2212");
-    inputs[i].setAttribute("aria-valuetext", output.textContent);
+  function show() {
+    inputs.forEach((input, i) => {
+      const value = now.moved[i] ?? input.defaultValue, { unit } = live.controls[i];
+      input.value = value;
+      if (document.activeElement !== typed[i]) typed[i].value = Number(Number(value).toPrecision(6));
+      input.setAttribute("aria-valuetext", `${timeline.figures(Number(value), 4)}${unit === "1" ? "" : ` ${unit}`}`);
+    });
+    buttons.forEach((button, i) => {
+      button.setAttribute("aria-pressed", String(Boolean(now.on[i])));
+      if (document.activeElement !== times[i]) times[i].value = instant(begins(i));
+    });
+    at("undo").disabled = !past.length;
+    history.replaceState(null, "", [location.href.split("#")[0], address()].filter(Boolean).join("#"));
   }
-  inputs.forEach((input, i) => {
-    say(i);
-    input.addEventListener("input", () => { moved.add(i); say(i); fly(); });
-  });
-  buttons.forEach((button) => button.addEventListener("click", () => {
-    button.setAttribute("aria-pressed", button.getAttribute("aria-pressed") !== "true");
+  function change(to, drag = false) { // the flight up to now stays as the one before
+    if (same(to, now)) return;
+    if (!dragging) {
+      past.push(now);
+      before = whole || [];
+      document.dispatchEvent(new CustomEvent("before"));
+    }
+    dragging = drag;
+    now = to;
+    show();
     fly();
-  }));
+  }
+  const moved = (i, value) => ({ ...now, moved: { ...now.moved, [i]: bounded(value, Number(inputs[i].min), Number(inputs[i].max)) } });
+  const put = (list, i, value) => list.map((old, k) => (k === i ? value : old));
+  inputs.forEach((input, i) => {
+    input.addEventListener("input", () => change(moved(i, Number(input.value)), true));
+    input.addEventListener("change", () => { dragging = false; });
+    typed[i].addEventListener("change", () => {
+      if (typed[i].value.trim() && Number.isFinite(Number(typed[i].value))) change(moved(i, Number(typed[i].value)));
+      typed[i].value = now.moved[i] ?? input.defaultValue;
+    });
+  });
+  function inject(i, time) {
+    const shift = bounded(counted(time), 0, live.faults[i].most) - counted(live.faults[i].data.at);
+    change({ ...now, on: put(now.on, i, 1), shifts: put(now.shifts, i, shift) });
+  }
+  buttons.forEach((button, i) => {
+    button.addEventListener("click", () => change({ ...now, on: put(now.on, i, Number(!now.on[i])) }));
+    times[i].addEventListener("change", () => {
+      if (times[i].value.trim() && Number.isFinite(Number(times[i].value))) inject(i, Number(times[i].value));
+      times[i].value = instant(begins(i));
+    });
+    all("now")[i].addEventListener("click", () => inject(i, timeline.at ?? 0));
+  });
+  function undo() {
+    if (!past.length) return;
+    const to = past.pop();
+    before = whole || [];
+    document.dispatchEvent(new CustomEvent("before"));
+    now = to;
+    show();
+    fly();
+  }
+  at("undo").addEventListener("click", undo);
+  document.addEventListener("keydown", (event) => {
+    if ((event.ctrlKey || event.metaKey) && event.key === "z" && event.target.type !== "number") { event.preventDefault(); undo(); }
+  });
   at("reset").addEventListener("click", (event) => {
     event.preventDefault();
-    for (const input of inputs) input.value = input.defaultValue;
-    moved.clear();
-    buttons.forEach((button, i) => button.setAttribute("aria-pressed", live.faults[i].own));
-    inputs.forEach((_, i) => say(i));
-    fly();
+    change(own());
   });
+  addEventListener("hashchange", () => change(ofAddress()));
+  addEventListener("submit", (event) => event.preventDefault());
+  now = ofAddress();
+  show();
+  judge(live.verdicts);
   fly();
 })();

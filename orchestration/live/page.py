@@ -18,11 +18,14 @@ from ..results.report import figure
 from ..scenario.faults import sentence
 from ..scenario.figures import FigureEntry, Panel
 from ..scenario.references import Reference
+from ..system.faults import Faults
 from ..system.panels import unit_of
 from ..system.wiring import Node
 from .motion import columns, motion
 from .sliders import Control
 from .system import Live
+from .tables import OBSERVED, observed
+from .verdicts import verdicts
 
 _POLICY = " 'wasm-unsafe-eval'; worker-src blob:"
 _HERE = Path(__file__).parent
@@ -44,6 +47,7 @@ def page(live: Live, native: RunData) -> str:
         name=scenario.name,
         sliders=joined(_slider(parts["slider"], *entry) for entry in enumerate(live.controls)),
         faults=_buttons(live, parts["fault"]),
+        expected=_expected(live, parts),
         hash=native.sha256,
         file=_file(live),
     )
@@ -58,8 +62,13 @@ def page(live: Live, native: RunData) -> str:
         "view": shown and motion(native, shown),
     }
     script, style = asset(_HERE / "page.js"), asset(_HERE / "page.css")
-    data = {"live": {**_data(live, flown), "hash": native.sha256}}
+    data = {"live": {**_data(live, flown), "hash": native.sha256, "verdicts": _found(native)}}
     return made.html(f"{scenario.name}: live", body, script, _POLICY, style, data)
+
+
+def _found(native: RunData) -> list[dict[str, Any]]:
+    """Returns the outcomes of the native run as the worker gives those of a flight."""
+    return [{"status": o.status, "value": o.found, "time": o.time} for o in native.outcomes]
 
 
 def _slider(piece: Markup, number: int, control: Control) -> Markup:
@@ -69,14 +78,25 @@ def _slider(piece: Markup, number: int, control: Control) -> Markup:
         most=repr(control.most),
         value=repr(control.value),
         number=number,
+        unit="" if control.unit == "1" else control.unit,
     )
+
+
+def _expected(live: Live, parts: dict[str, Markup]) -> Markup:
+    """Returns a row for each expectation; nothing where there is none."""
+    rows = [
+        parts["row"].format(number=i, name=check.expectation.name, expected=check.expected)
+        for i, check in enumerate(live.opened.plan.checks)
+    ]
+    return parts["expected"].format(rows=joined(rows)) if rows else Markup("")
 
 
 def _buttons(live: Live, piece: Markup) -> Markup:
     """Returns a button for each fault; one that does nothing in a shortened run is disabled."""
     own = len(live.scenario.faults)
     added = live.scenario.live.faults if live.scenario.live else []
-    names = [*(sentence(fault) for fault in live.scenario.faults), *(fault.name for fault in added)]
+    owned = (sentence(fault).rpartition(", from ")[0] for fault in live.scenario.faults)
+    names = [*owned, *(fault.name for fault in added)]
     return joined(
         piece.format(
             number=i,
@@ -84,6 +104,7 @@ def _buttons(live: Live, piece: Markup) -> Markup:
             state="" if does else " disabled",
             text=sentence(fault),
             name=name,
+            at=f"{fault.at:g}",
         )
         for i, (fault, does, name) in enumerate(zip(live.faults, live.each, names, strict=True))
     )
@@ -119,18 +140,30 @@ def _data(live: Live, flown: dict[str, Any]) -> dict[str, Any]:
                 "own": i < len(scenario.faults),
                 "data": fault.model_dump(mode="json", exclude_none=True),
                 "span": [fault.at, end if fault.until is None else min(fault.until, end)],
+                "most": _latest(live, does),
             }
-            for i, fault in enumerate(live.faults)
+            for i, (fault, does) in enumerate(zip(live.faults, live.each, strict=True))
         ],
         "given": {
             "steps": clock.steps,
             "interval": clock.interval,
+            "stretch": OBSERVED,
+            "observed": len(observed(live.opened.plan)),
+            "expect": verdicts(live.opened.plan),
             "numerator": clock.numerator,
             "denominator": clock.denominator,
             "columns": len(live.opened.plan.columns),
             **flown,
         },
     }
+
+
+def _latest(live: Live, does: Faults) -> int:
+    """Returns the last count of base steps at which a fault may begin: a step of each block that it acts on sees it."""
+    steps, blocks = live.opened.plan.clock.steps, live.scenario.blocks
+    acted = [setting.block for setting in does.settings] + [each.target.block for each in does.disturbances]
+    every = max((blocks[name].every for name in acted), default=1)
+    return (steps // every - (2 if does.disturbances else 1)) * every
 
 
 def _control(live: Live, control: Control) -> dict[str, Any]:
@@ -145,6 +178,7 @@ def _control(live: Live, control: Control) -> dict[str, Any]:
         shape = variable.shape if named is whole else ()
         names.append({"block": block, "name": name, "shape": shape, "places": [places[node] for node in named]})
     return {
+        "start": control.slider.start,
         "measure": control.slider.measure,
         "axis": control.slider.axis,
         "unit": control.unit,

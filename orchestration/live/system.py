@@ -4,6 +4,7 @@ against.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,12 +17,14 @@ from ..errors import InputError, Problems
 from ..fmu.interfaces import is_path
 from ..scenario.faults import Fault
 from ..scenario.scenario import Scenario
+from ..scenario.source import Key
 from ..session.limits import limits
 from ..session.open import Opened, open_scenario
 from ..session.read import load
-from ..system.faults import Faults, resolve
+from ..system.faults import Faults, Setting, resolve
 from ..system.starts import Start
 from .sliders import Control, controls, start_value
+from .suggestions import with_suggestions
 from .tables import Tables, tables
 
 _HERE = Path(__file__).parent
@@ -46,6 +49,8 @@ class Live:
 def prepare(scenario: Scenario) -> Live:
     """Checks a scenario and compiles it. Raises InputError with everything that a page cannot have."""
     _refuse(scenario)
+    if scenario.live is None:
+        scenario = with_suggestions(scenario, open_scenario(scenario).plan)
     both, opened, made, each = checked(scenario)
     plan = opened.plan
     if changed := sorted({*opened.rates.substeps, *opened.prepared.fits}):
@@ -82,9 +87,14 @@ def checked(scenario: Scenario) -> tuple[Scenario, Opened, list[Control], list[F
     plan = opened.plan
     each = [resolve(both.model_copy(update={"faults": [fault]}), plan.models, plan.wiring) for fault in both.faults]
     for number, faults in enumerate(each):
-        if any(isinstance(value, str) for setting in faults.settings for _, value in setting.values):
-            raise InputError(both.error(("faults", number), "a page sets no text during a run"))
+        _refuse_text(both, ("faults", number), faults.settings)
+    _refuse_text(both, ("timeline",), [setting for setting in plan.faults.settings if not setting.of_fault])
     return both, opened, made, each
+
+
+def _refuse_text(scenario: Scenario, key: Key, settings: Iterable[Setting]) -> None:
+    if any(isinstance(value, str) for setting in settings for _, value in setting.values):
+        raise InputError(scenario.error(key, "a page sets no text during a run"))
 
 
 def _compiled(scenario: Scenario, code: dict[str, str], tabled: Tables) -> bytes:
@@ -118,8 +128,5 @@ def _refuse(scenario: Scenario) -> None:
             where = (*key, "isolation") if entry.isolation else ("isolation",)
             message = f"{name} runs in a process of its own, which a page has not; remedy: isolation: none"
             errors.append(scenario.error(where, message))
-    if any(entry.set for entry in scenario.timeline):
-        message = "a page gives no values at given times; remedy: orchestrate run, or a scenario without them"
-        errors.append(scenario.error(("timeline",), message))
     if errors:
         raise InputError(*dict.fromkeys(errors))

@@ -30,6 +30,8 @@ _CTYPES = dict(
         strict=True,
     )
 )
+OBSERVED = 1024
+"""Base steps of which the page keeps what expectations look at, at a time."""
 _EXCHANGE = "fmi2Status (*)(fmi2Component, const fmi2ValueReference[], size_t, void *)"
 
 
@@ -67,12 +69,17 @@ def tables(
     return _Writer(plan, code).write(starts, faults)
 
 
+def observed(plan: Plan) -> list[Node]:
+    """Returns what expectations look at after every base step."""
+    return list(dict.fromkeys(node for check in plan.checks for node in check.needed))
+
+
 class _Writer:
     def __init__(self, plan: Plan, code: Mapping[str, str]) -> None:
         self.plan, self.code = plan, code
         self.c = Text()
         blocks: dict[str, Any] = {name: _Tabled(name, model) for name, model in plan.models.items()}
-        self.bus: Bus = lay_out(blocks, plan.circuit, plan.columns)
+        self.bus: Bus = lay_out(blocks, plan.circuit, plan.columns, observed(plan))
         self.seats = {seat.block.name: i for i, seat in enumerate(self.bus.seats)}
         self.places = {
             Node(seat.block.name, element): self._first(seat) + i
@@ -105,6 +112,9 @@ class _Writer:
             "columns": self.c.array("int64_t", bus.columns),
             "column_count": len(bus.columns),
             "interval": clock.interval,
+            "observed": self.c.array("int64_t", bus.observed),
+            "observed_count": len(bus.observed),
+            "observed_rows": self.c.room("double", OBSERVED * max(1, len(bus.observed))),
             "numerator": float(clock.numerator),
             "denominator": float(clock.denominator),
             "disturbances": "disturbances",

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fmu.interfaces import pages
 from ..fmu.interfaces import view as of_interface
 from ..fmu.model import Floats, Variable
 from ..quantities import ONE, Unit, shown
@@ -62,6 +63,9 @@ def view(result: RunData, arrays: Arrays) -> dict[str, Any] | None:
                 "frame": arrow.frame,
                 "shown": arrow.shown,
                 "unit": unit,
+                "of": next(
+                    (kind for kind, axes in entry.axes.items() if arrow.along is not None and axes == arrow.along), None
+                ),
                 "values": arrays.add_short(values[rows]),
                 "largest": float(np.sqrt((values * values).sum(axis=1)).max()),
             }
@@ -70,7 +74,28 @@ def view(result: RunData, arrays: Arrays) -> dict[str, Any] | None:
             if values.any()
         ],
         "phases": _marks(result, entry),
+        **_around(result, parameters),
     }
+
+
+def _around(result: RunData, parameters: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
+    """Returns the cones of sensors and the stations on the ground that the interfaces of the blocks name."""
+    used = {(str(connection.source.block), connection.source.variable) for connection in result.scenario.connections}
+    found: dict[str, list[dict[str, Any]]] = {"cones": [], "stations": []}
+    for block, stated in result.scenario.blocks.items():
+        own = pages().get(stated.interface or result.models[block].name, {})
+        given = parameters.get(block, {})
+        for cone in own.get("cones", ()):
+            if (block, cone["of"]) in used and cone["axis"] in given:
+                angle = float(given[cone["angle"]]) or cone["default"]
+                (direction,) = directions(given[cone["axis"]], parameters)
+                found["cones"].append({"name": cone["name"], "direction": direction, "angle": angle})
+        for station in own.get("stations", ()):
+            latitude, longitude = (float(given.get(station[key], 0.0)) for key in ("latitude", "longitude"))
+            if latitude or longitude:
+                at = {"latitude": latitude, "longitude": longitude, "elevation": station["elevation"]}
+                found["stations"].append({"name": station["name"], **at})
+    return found
 
 
 def chosen(time: Floats) -> NDArray[np.intp]:

@@ -44,7 +44,7 @@ const motion = (() => {
       };
     }
     return {
-      n, first: time[0], last: time[n - 1], phases: data.phases, position: position && mixed(position), sample: position,
+      n, times: time, first: time[0], last: time[n - 1], phases: data.phases, position: position && mixed(position), sample: position,
       sun: sun && mixed(sun), lvlh: position ? lvlh : () => null, attitude: turned(data.attitude),
       desired: turned(data.desired), planned: turned(data.planned), estimated: turned(data.estimated),
       vectors: data.vectors.map((v) => ({ at: mixed(rows(v.values)), largest: v.largest })),

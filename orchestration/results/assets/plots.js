@@ -6,6 +6,7 @@
 const timeline = {
   at: null,
   followers: [],
+  go(at) { this.set(at); }, // also while it plays
   set(at, from) {
     this.at = at;
     for (const follow of this.followers) if (follow !== from) follow(at);
@@ -151,6 +152,9 @@ const timeline = {
       scaled(u, event.deltaY > 0 ? 1.25 : 0.8, at(event));
     }, { passive: false });
     over.addEventListener("dblclick", () => whole(u));
+    let pressed = 0;
+    over.addEventListener("pointerdown", (event) => { pressed = event.clientX; });
+    over.addEventListener("click", (event) => { if (u.linked && Math.abs(event.clientX - pressed) < 4) timeline.go(at(event)); });
     over.tabIndex = 0;
     over.setAttribute("role", "application");
     over.setAttribute("aria-label", `${plot.label} over ${plot.xlabel || "time"}: arrow keys move the cursor, with Shift the plot, + and - zoom, 0 shows all`);
@@ -239,7 +243,7 @@ const timeline = {
         x: { time: false, range: (u, low, high) => (view = Number.isFinite(low) && low < high ? [low, high] : [first, last]) },
         y: log ? { distr: 3 } : { range: (u, low, high) => {
           if (!Number.isFinite(low)) [low, high] = plot.lines.length && !zoomed() ? [Infinity, -Infinity] : [0, 1];
-          if (!zoomed()) for (const line of plot.lines) { low = Math.min(low, line); high = Math.max(high, line); }
+          if (!zoomed()) for (const line of [...plot.lines, ...(plot.before?.ends || [])]) { low = Math.min(low, line); high = Math.max(high, line); }
           const least = Math.max(plot.least || 0, 1e-9 * Math.max(Math.abs(low), Math.abs(high))); // rounding is no signal
           if (low < high && high - low < 2 * least) [low, high] = [(low + high) / 2 - least, (low + high) / 2 + least];
           const pad = low < high ? 0.06 * (high - low) : 0.1 * Math.abs(low) || 1;
@@ -261,7 +265,7 @@ const timeline = {
         bind: { mousedown: (u, target, handler) => (event) => { if (!event.shiftKey) handler(event); }, dblclick: () => null } },
       hooks: {
         init: [(u) => Object.assign(u, { ends: [first, last], linked: !plot.xlabel, readout: readout(u) })],
-        drawClear: [(u) => spans(u, plot, css)], draw: [(u) => { lines(u, plot, css); names(u, plot, css); }],
+        drawClear: [(u) => { spans(u, plot, css); former(u, plot); }], draw: [(u) => { lines(u, plot, css); names(u, plot, css); }],
         setScale: [(u, key) => { if (key === "x" && u.linked && u.root.isConnected) zoom(u.scales.x.min, u.scales.x.max, u); }],
         setCursor: [(u) => {
           told(u, plot, swatches);
@@ -369,6 +373,28 @@ const timeline = {
       }
     });
   }
+  function former(u, { before, curves }) { // the flight before, pale below the curves
+    if (!before) return;
+    clipped(u, (ctx, ratio) => {
+      ctx.globalAlpha = 0.35;
+      ctx.lineWidth = 3 * ratio;
+      const [x, ...ys] = before.columns, { min, max } = u.scales.x;
+      ys.forEach((y, k) => {
+        if (!u.series[k + 1].show) return;
+        ctx.strokeStyle = colour(curves[k].colour);
+        ctx.beginPath();
+        for (let i = 0, last = 0, pen = false; i < y.length; i++) {
+          if (y[i] === null || x[i] < min || x[i] > max) { pen = false; continue; }
+          const at = u.valToPos(x[i], "x", true);
+          if (pen && at - last < 0.5 * ratio && i < y.length - 1) continue; // no finer than the screen
+          ctx[pen ? "lineTo" : "moveTo"](at, u.valToPos(y[i], "y", true));
+          [pen, last] = [true, at];
+        }
+        ctx.stroke();
+      });
+      ctx.globalAlpha = 1;
+    });
+  }
   function lines(u, plot, css) {
     clipped(u, (ctx, ratio) => {
       ctx.strokeStyle = css("--limit");
@@ -432,6 +458,13 @@ const timeline = {
   }, { rootMargin: "30% 0px" });
   const again = () => drawn.forEach((_, place) => draw(place));
   dark.addEventListener("change", again);
+  document.addEventListener("before", () => { // what is shown now stays, pale
+    for (const plot of page.plots) {
+      const shown = columns(plot), known = shown.slice(1).map((y) => y.filter((v) => v !== null));
+      const ends = known.flatMap((y) => (y.length ? [y.reduce((a, b) => Math.min(a, b)), y.reduce((a, b) => Math.max(a, b))] : []));
+      plot.before = { columns: shown, ends };
+    }
+  });
   document.addEventListener("flown", ({ detail }) => { // a live page has flown again
     page.faults = detail.faults;
     page.phases = detail.phases || page.phases; // those of the timeline stay

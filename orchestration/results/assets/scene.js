@@ -1,31 +1,24 @@
 "use strict";
-// What a three-dimensional view draws: the body with its axes, ghosts and vectors, and the Earth with the orbit.
+// What a three-dimensional view draws: the body with its axes, ghosts and vectors; earth.js has the Earth and the orbit.
 // `flown` is the motion, `ask.label(text, where, arrow)` puts a text at a point of the scene.
 const scene = (gl, { data, coastlines }, flown, ask) => {
-  const { Cylinder, Geometry, Mesh, Program, Quat, Sphere, Texture, Transform, Vec3 } = ogl;
+  const { Cylinder, Geometry, Mesh, Program, Quat, Transform, Vec3 } = ogl;
   const { cross, size, unit } = motion;
-  const INK = { light: { label: "100%", body: [0.82, 0.84, 0.87], panel: [0.16, 0.25, 0.5], edge: "#1b1f24", axis: "#2f3740", desired: "#0a6b3d", planned: "#8a5cd6", estimated: "#b4540a", orbit: "#b4540a", sea: "#c9dcec", land: "#8aa37c", coast: "#4c5f45" },
-    dark: { label: "60%", body: [0.62, 0.65, 0.7], panel: [0.2, 0.33, 0.62], edge: "#e4e7eb", axis: "#d3d9df", desired: "#6fd39b", planned: "#b79af0", estimated: "#f2a050", orbit: "#f2a050", sea: "#1d3a56", land: "#4d6b48", coast: "#8fae86" } };
+  const INK = { light: { label: "100%", body: [0.82, 0.84, 0.87], panel: [0.16, 0.25, 0.5], edge: "#1b1f24", axis: "#2f3740", desired: "#0a6b3d", planned: "#8a5cd6", estimated: "#b4540a", before: "#7a828c", orbit: "#b4540a", sea: "#a9c9e4", land: "#8fa878", coast: "#4c5f45", air: "#6ea8dd", night: 0.42 },
+    dark: { label: "60%", body: [0.62, 0.65, 0.7], panel: [0.2, 0.33, 0.62], edge: "#e4e7eb", axis: "#d3d9df", desired: "#6fd39b", planned: "#b79af0", estimated: "#f2a050", before: "#9aa4af", orbit: "#f2a050", sea: "#2a5f92", land: "#5f8a55", coast: "#a5c79a", air: "#7fc0ff", night: 0.14 } };
   const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a5cd6", "#999999", "#b5651d", "#3aa6a0"];
   const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
   const SHADED = {
     vertex: `attribute vec3 position, normal; uniform mat4 modelMatrix, viewMatrix, projectionMatrix; varying vec3 n, p;
       void main() { n = mat3(modelMatrix) * normal; p = position; gl_Position = projectionMatrix * viewMatrix * modelMatrix * vec4(position, 1.0); }`,
-    fragment: `precision highp float; uniform vec3 colour, light; uniform float alpha, flatness; varying vec3 n, p;
-      void main() { float d = max(dot(normalize(n), light), 0.0); gl_FragColor = vec4(colour * mix(0.5 + 0.5 * d, 1.0, flatness) * alpha, alpha); }`,
+    fragment: `precision highp float; uniform vec3 colour, light; uniform float alpha, flatness, sunlit; varying vec3 n, p;
+      void main() { float d = sunlit * max(dot(normalize(n), light), 0.0); gl_FragColor = vec4(colour * mix(0.45 + 0.55 * d, 1.0, flatness) * alpha, alpha); }`,
   };
-  const GLOBE = `precision highp float; uniform sampler2D map; uniform vec3 light; uniform float lit; varying vec3 n, p;
-    void main() {
-      vec3 q = normalize(p);
-      vec3 c = texture2D(map, vec2(atan(-q.z, q.x) / 6.2831853 + 0.5, asin(clamp(q.y, -1.0, 1.0)) / 3.1415927 + 0.5)).rgb;
-      float day = smoothstep(-0.08, 0.08, dot(normalize(n), light));
-      gl_FragColor = vec4(c * mix(1.0, mix(0.3, 1.0, day), lit), 1.0);
-    }`;
-  const light = { value: new Vec3(0, 0, 1) };
+  const light = { value: new Vec3(0, 0, 1) }, sunlit = { value: 1 };
   const painted = []; // what changes its colour with the theme
   // Two programs for all but the globe: to compile one takes longer than to draw the scene.
   const shared = [false, true].map((transparent) => new Program(gl, { ...SHADED, transparent, depthWrite: !transparent,
-    uniforms: { colour: { value: [0, 0, 0] }, alpha: { value: 1 }, flatness: { value: 0 }, light } }));
+    uniforms: { colour: { value: [0, 0, 0] }, alpha: { value: 1 }, flatness: { value: 0 }, light, sunlit } }));
   function look(colour, { alpha = 1, flat = 0 } = {}) {
     const made = { program: shared[Number(alpha < 1)], colour: [0, 0, 0], alpha, flat };
     painted.push((ink) => { const c = ink[colour] || colour; made.colour = typeof c === "string" ? rgb(c) : c; });
@@ -74,7 +67,7 @@ const scene = (gl, { data, coastlines }, flown, ask) => {
   const body = group(world), local = group(world);
   for (const [kind, faces] of shape.faces) add(body, faces, look(kind));
   add(body, shape.edges, look("edge", { flat: 1 }), gl.LINES);
-  const ghosts = Object.fromEntries(["desired", "planned", "estimated"].map((name) => {
+  const ghosts = Object.fromEntries(["desired", "planned", "estimated", "before"].map((name) => {
     const it = group(world);
     for (const [, faces] of shape.faces) add(it, faces, look(name, { alpha: 0.13 }));
     add(it, shape.edges, look(name, { flat: 1 }), gl.LINES);
@@ -97,8 +90,8 @@ const scene = (gl, { data, coastlines }, flown, ask) => {
     };
     return it;
   }
-  function label(text, where, colour, arrow = false) { // where() gives a point of the scene, or null; the end of an arrow
-    const it = ask.label(text, where, arrow);
+  function label(text, where, colour, { arrow = false, far = false } = {}) { // where() gives a point of the scene, or null
+    const it = ask.label(text, where, arrow, far);
     painted.push((ink) => { it.style.color = ink[colour] || `color-mix(in srgb, ${colour} ${ink.label}, white)`; });
   }
   const inWorld = (parent, v) => [...new Vec3(...v).applyMatrix4(parent.worldMatrix)];
@@ -109,7 +102,7 @@ const scene = (gl, { data, coastlines }, flown, ask) => {
       it.reach(value, length);
       arrow.tip = it.visible ? unit(value).map((x) => x * (length + 0.08)) : null;
     };
-    label(v.name, () => (arrow.tip && inWorld(parent, arrow.tip)), colour, true);
+    label(v.name, () => (arrow.tip && inWorld(parent, arrow.tip)), colour, { arrow: true });
     return arrow;
   });
   const triad = (parent, length, colour, names) => [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((v, i) => {
@@ -119,82 +112,51 @@ const scene = (gl, { data, coastlines }, flown, ask) => {
   triad(body, 1.0, "edge", ["x", "y", "z"]);
   if (flown.position) triad(local, 1.25, "desired", ["X forward", "Y", "Z down"]);
   const AXES = ["#7d5ba6", "#e69f00", "#009e73", "#d55e00"], kinds = [...new Set(data.axes.map((axis) => axis.kind))];
-  for (const { name, kind, direction } of data.axes) { // they show outside the body, at both ends
-    const p = look(AXES[kinds.indexOf(kind) % AXES.length]);
-    for (const side of [1, -1]) bar(body, p, 0.035, 0).reach(direction.map((v) => side * v), 0.66);
-    label(name, () => (ask.wide() ? inWorld(body, direction.map((v) => 0.74 * v)) : null), "axis");
+  const HOT = [1, 0.45, 0.05];
+  // A vector's parts along its axes: what each rod or wheel gives. Unique for one axis, or three that are independent.
+  function along(v, axes) {
+    if (axes.length !== 3) return axes.map((a) => v[0] * a[0] + v[1] * a[1] + v[2] * a[2]);
+    const [a, b, c] = axes, n = [cross(b, c), cross(c, a), cross(a, b)], det = a[0] * n[0][0] + a[1] * n[0][1] + a[2] * n[0][2];
+    return Math.abs(det) < 0.05 ? along(v, []) : n.map((m) => (v[0] * m[0] + v[1] * m[1] + v[2] * m[2]) / det);
   }
-
-  // The Earth and the orbit; 1 is the radius of the Earth.
-  const EARTH = 6378137, SPIN = 7.2921158553e-5; // m, rad/s
-  const space = new Transform(), sky = group(space);
-  let globe = null, craft = null, map = null, lines = null;
-  const path = (m) => { // what is flown, and the whole orbit
-    const points = Array.from({ length: m.n }, (_, i) => m.sample(i).map((v) => v / EARTH));
-    const r = points[0], b = cross(unit(cross(r, points[Math.min(m.n - 1, 1)])), r);
-    return [points, Array.from({ length: 181 }, (_, i) => r.map((v, k) => v * Math.cos((i * Math.PI) / 90) + b[k] * Math.sin((i * Math.PI) / 90)))];
-  };
-  if (flown.position) {
-    globe = group(sky);
-    const tilt = group(globe); // OGL's sphere has its poles on Y
-    tilt.rotation.x = Math.PI / 2;
-    map = new Texture(gl, { generateMipmaps: false, minFilter: gl.LINEAR, wrapS: gl.REPEAT });
-    const earth = new Program(gl, { vertex: SHADED.vertex, fragment: GLOBE, uniforms: { map: { value: map }, light, lit: { value: flown.sun ? 1 : 0 } } });
-    add(tilt, new Sphere(gl, { radius: 1, widthSegments: 64, heightSegments: 40 }), { program: earth });
-    lines = path(flown).map((points) => geometry(points));
-    add(sky, lines[0], look("orbit", { flat: 1 }), gl.LINE_STRIP);
-    add(sky, lines[1], look("axis", { flat: 1, alpha: 0.6 }), gl.LINE_STRIP);
-    craft = add(group(sky), new Sphere(gl, { radius: 0.06 }), look("orbit", { flat: 1 }));
-  }
-  function renew(m) { // another flight over the same instants
-    if (!lines) return;
-    path(m).forEach((points, i) => {
-      const { position } = lines[i].attributes;
-      position.data.set(points.flat());
-      position.needsUpdate = true;
+  const disc = new Cylinder(gl, { radiusTop: 0.5, radiusBottom: 0.5, height: 1, radialSegments: 6 }); // one sees it turn
+  const driven = kinds.map((kind) => { // by the vector that has these axes
+    const axes = data.axes.filter((axis) => axis.kind === kind), colour = AXES[kinds.indexOf(kind) % AXES.length], wheel = kind.startsWith("wheel");
+    const parts = axes.map(({ name, direction }) => { // they show outside the body, at both ends
+      const own = look(colour), bars = [1, -1].map((side) => {
+        const it = bar(body, own, 0.035, 0);
+        it.reach(direction.map((v) => side * v), 0.66);
+        return it;
+      });
+      label(name, () => (ask.wide() ? inWorld(body, direction.map((v) => 0.74 * v)) : null), "axis");
+      const turning = wheel ? add(bars[0], disc, own) : null;
+      turning?.scale.set(0.26, 0.05, 0.26);
+      turning?.position.set(0, 0.6, 0);
+      return { own, cold: rgb(colour), turning };
     });
-  }
-  function chart(ink) { // land on the sphere, as a picture of longitude and latitude
-    const it = new OffscreenCanvas(1024, 512), c = it.getContext("2d", { willReadFrequently: true }); // it is read as a texture
-    c.fillStyle = ink.sea;
-    c.fillRect(0, 0, 1024, 512);
-    if (data.earth !== null) {
-      const bytes = Uint8Array.from(atob(coastlines.data), (x) => x.charCodeAt(0)), points = new DataView(bytes.buffer);
-      c.fillStyle = ink.land;
-      c.strokeStyle = ink.coast;
-      c.lineWidth = 1.5;
-      let at = 0;
-      for (const length of coastlines.rings) { // outlines cross 180 deg: their longitudes go on there, and each is drawn three times
-        const ring = [];
-        for (let i = 0, lon = 0; i < length; i++, at += 4) {
-          const own = points.getInt16(at, true) / 100;
-          lon = i ? own + 360 * Math.round((lon - own) / 360) : own;
-          ring.push([lon, points.getInt16(at + 2, true) / 100]);
-        }
-        const [from, to] = [ring[0][0], ring[length - 1][0]];
-        const round = Math.abs(to - from) > 180; // Antarctica goes round the pole
-        for (const turn of [-360, 0, 360]) {
-          const line = ([lon, lat]) => c.lineTo(((lon + turn) / 360 + 0.5) * 1024, (0.5 - lat / 180) * 512);
-          c.beginPath();
-          ring.forEach(line);
-          if (!round) c.closePath();
-          c.stroke();
-          if (round) [[to, -90], [from, -90]].forEach(line);
-          c.fill();
-        }
-      }
+    return { of: data.vectors.findIndex((vector) => vector.of === kind), parts, directions: axes.map((axis) => axis.direction) };
+  }).filter(({ of }) => of >= 0);
+  function drive(values, largest, passed) { // values of the vectors; `passed` s of the clock on the wall since the last picture
+    for (const { of, parts, directions } of driven) {
+      along(values[of], directions).forEach((value, i) => {
+        const { own, cold, turning } = parts[i], share = Math.min(1, Math.abs(value) / (largest[of] || 1));
+        if (turning) turning.rotation.y += Math.sign(value) * share * 9 * passed;
+        else own.colour = cold.map((c, k) => c + (HOT[k] - c) * share);
+        own.flat = turning ? 0 : share;
+      });
     }
-    map.image = it;
-    map.needsUpdate = true;
   }
+  for (const { name, direction, angle } of data.cones) {
+    const long = 1.5, it = group(body), own = look("desired", { alpha: 0.12 }), made = add(it, cone, own); // its tip is in the body
+    it.quaternion.copy(new Quat(...cross([0, -1, 0], direction), 1 - direction[1]).normalize());
+    made.scale.set(2 * long * Math.tan(angle), long, 2 * long * Math.tan(angle));
+    made.position.set(0, -long / 2, 0);
+    label(name, () => (ask.wide() ? inWorld(body, direction.map((v) => 1.3 * v)) : null), "desired");
+  }
+  const earth = flown.position ? globe(gl, { data, coastlines }, flown, { look, add, group, geometry, label, light, painted, rgb }) : null;
   function paint(theme) {
     for (const p of painted) p(INK[theme]);
-    if (map) chart(INK[theme]);
+    earth?.paint(INK[theme]);
   }
-  function orbit(r, t) { // the Earth and the body over it, r in m
-    globe.quaternion.copy(new Quat().fromAxisAngle(new Vec3(0, 0, 1), (data.earth || 0) + SPIN * t));
-    craft.position.set(...r.map((v) => v / EARTH));
-    return size(r) / EARTH;
-  }
-  return { near, world, body, local, ghosts, arrows, space, sky, light, paint, renew, orbit };
+  return { near, world, body, local, ghosts, arrows, earth, light, sunlit, paint, drive };
 };

@@ -1,6 +1,6 @@
 "use strict";
 // The three-dimensional view of a page: the camera, what is seen at an instant, and the controls.
-// The body and the Earth in the corner are seen by one camera, in one frame, so that a direction is the same in both.
+// The body and the Earth behind it are seen by one camera, in one frame; the way out leads from the body to the whole Earth.
 // Longer than 250 lines: camera, instant and controls work on one scene.
 (() => {
   const root = document.querySelector(".view");
@@ -11,11 +11,11 @@
   const part = (name) => root.querySelector(`[data-part="${name}"]`);
   const stage = part("stage"), canvas = part("canvas"), slider = part("slider"), play = part("play");
   const dark = matchMedia("(prefers-color-scheme: dark)"), calm = matchMedia("(prefers-reduced-motion: reduce)");
-  let flown = motion.read(data, array);
+  let flown = motion.read(data, array), former = null; // the flight before, on a live page
 
   let renderer;
   try {
-    renderer = new Renderer({ canvas, alpha: true, antialias: true, preserveDrawingBuffer: true, dpr: Math.min(2, window.devicePixelRatio || 1), autoClear: false });
+    renderer = new Renderer({ canvas, alpha: true, premultipliedAlpha: true, antialias: true, preserveDrawingBuffer: true, dpr: Math.min(2, window.devicePixelRatio || 1), autoClear: false });
   } catch (error) {
     stage.textContent = "This browser has no WebGL, which the three-dimensional view needs; the plots show the same motion.";
     return;
@@ -24,28 +24,35 @@
   const labels = [];
   const drawn = scene(gl, { data, coastlines: page.coastlines }, flown, {
     wide: () => stage.clientWidth > 480,
-    label(text, where, arrow) {
+    label(text, where, arrow, far) {
       const it = document.createElement("span");
       it.textContent = text;
       it.className = "tag";
       stage.append(it);
-      labels.push({ it, where, arrow });
+      labels.push({ it, where, arrow, far });
       return it;
     },
   });
-  const { body, local, ghosts, arrows, light } = drawn;
+  const { body, local, ghosts, arrows, light, earth } = drawn;
 
   // ---------------------------------------------------------------- camera and frame
 
   const camera = new Camera(gl, { fov: 32, near: 0.1, far: 100 });
-  const orbiting = Boolean(flown.position), shown = (name) => part(name).checked;
-  let azimuth = 0.7, height = 0.45, distance = 5, frame = orbiting ? "orbit" : "inertial", now = flown.first, printing = false, queued = false, drawnFrames = 0;
-  function place(far) {
-    const c = Math.cos(height), [x, y, z] = [c * Math.cos(azimuth), c * Math.sin(azimuth), Math.sin(height)].map((v) => far * v);
-    // In the orbit's frame up is away from the Earth: its Z points down.
+  const orbiting = Boolean(earth), shown = (name) => part(name).checked;
+  const CLOSE = 15, WIDE = 300; // distances: up to here from the body, whose largest extent is 1; from here on of the whole Earth
+  let azimuth = 0.7, height = 0.3, distance = 4.2, frame = orbiting ? "orbit" : "inertial", now = flown.first, printing = false, queued = false, drawnFrames = 0;
+  let lower = false; // fewer pixels while it moves, where the machine draws slowly
+  function toward() { // from what is looked at to the camera, in the frame
+    const c = Math.cos(height), [x, y, z] = [c * Math.cos(azimuth), c * Math.sin(azimuth), Math.sin(height)];
+    return frame === "orbit" ? [x, -y, -z] : [x, y, z]; // its Z points down
+  }
+  function place(at, way, near, far) {
+    Object.assign(camera, { near, far });
     camera.up.set(0, 0, frame === "orbit" ? -1 : 1);
-    camera.position.set(x, frame === "orbit" ? -y : y, frame === "orbit" ? -z : z);
-    camera.lookAt([0, 0, 0]);
+    camera.position.set(...at);
+    camera.lookAt(at.map((v, i) => v - way[i]));
+    camera.perspective({ aspect: extent()[0] / extent()[1] });
+    camera.updateMatrixWorld();
   }
   function paint() {
     drawn.paint(dark.matches && !printing ? "dark" : "light");
@@ -70,71 +77,96 @@
     it.visible = Boolean(q) && visible;
     if (q) it.quaternion.copy(q);
   }
+  let painted = 0; // when, ms
   function render() {
     const at = flown.bracket(now), [wide, high] = extent();
     const q = flown.attitude(at), l = flown.lvlh(at), others = {};
     pose(body, q);
     pose(local, l, shown("lvlh"));
-    for (const [name, it] of Object.entries(ghosts)) pose(it, (others[name] = flown[name](at)), shown(name));
-    const own = frame === "orbit" ? l : frame === "body" ? q : null, base = own ? new Quat(...own).inverse() : new Quat();
+    for (const [name, it] of Object.entries(ghosts)) {
+      others[name] = name === "before" ? former && former.attitude(former.bracket(now)) : flown[name](at);
+      pose(it, others[name], shown(name));
+    }
+    const spin = orbiting && frame === "earth" ? new Quat().fromAxisAngle(new Vec3(0, 0, 1), earth.spin(now)) : null;
+    const own = frame === "orbit" ? l : frame === "body" ? q : spin, base = own ? new Quat(...own).inverse() : new Quat();
     drawn.world.quaternion.copy(base);
-    drawn.sky.quaternion.copy(base);
+    const vectors = flown.vectors.map(({ at: vector }) => vector(at)), largest = flown.vectors.map((vector) => vector.largest);
     const values = arrows.map((arrow, i) => {
-      const { at: vector, largest } = flown.vectors[i], v = vector(at), long = size(v);
-      arrow.reach(v, arrow.on && largest ? 1.3 * Math.sqrt(long / largest) : 0);
+      const v = vectors[i], long = size(v);
+      arrow.reach(v, arrow.on && largest[i] ? 1.3 * Math.sqrt(long / largest[i]) : 0);
       return `${figures(long, 3)} ${arrow.unit}`.trim();
     });
+    const clock = performance.now();
+    drawn.drive(vectors, largest, playing ? Math.min(0.1, (clock - painted) / 1000) : 0);
+    painted = clock;
     gl.clearColor(0, 0, 0, 0);
-    gl.disable(gl.SCISSOR_TEST);
     renderer.setDepthMask(true); // else the depth is not cleared
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    camera.perspective({ aspect: wide / high });
-    place(distance * Math.max(1, 1.15 * high / wide));
-    light.value.set(...unit(flown.sun ? [...new Vec3(...flown.sun(at)).applyQuaternion(base)] : [...camera.position]));
     renderer.width = wide;
     renderer.height = high;
-    renderer.render({ scene: drawn.near, camera });
-    tags(wide, high);
+    const way = toward(), narrow = Math.max(1, 1.15 * high / wide);
+    const sun = flown.sun ? [...new Vec3(...flown.sun(at)).applyQuaternion(base)] : null;
+    light.value.set(...unit(sun || way));
+    let from = way, beyond = Math.min(distance, CLOSE) * narrow, hidden = false, far = null;
     if (orbiting) {
-      const inset = Math.round(Math.min(0.36 * wide, 0.42 * high)), radius = drawn.orbit(flown.position(at), now);
-      camera.perspective({ aspect: 1 });
-      place(4.2 * radius);
-      renderer.width = renderer.height = inset;
-      gl.enable(gl.SCISSOR_TEST);
-      gl.scissor(0, 0, inset * renderer.dpr, inset * renderer.dpr);
+      const { here, shadow } = earth.set(now, flown.position(at), base, sun), r = size(here);
+      const share = Math.max(0, Math.log(distance / CLOSE) / Math.log(WIDE / CLOSE));
+      const out = 4.6 * r * narrow * share ** 2;
+      let eye = here.map((v, i) => v * (1 - share ** 3) + way[i] * out);
+      if (size(eye) < 1.02) eye = unit(eye).map((v) => 1.02 * v);
+      far = [eye, way, 0.02, 100];
+      place(...far);
+      earth.see(camera, eye, base, wide / high);
+      renderer.render({ scene: earth.space, camera });
       renderer.setDepthMask(true);
       gl.clear(gl.DEPTH_BUFFER_BIT);
-      renderer.render({ scene: drawn.space, camera });
-      gl.disable(gl.SCISSOR_TEST);
+      drawn.sunlit.value = shadow ? 0.15 : 1;
+      if (share > 0) {
+        from = unit(eye.map((v, i) => v - here[i]));
+        beyond *= 1 + 2.2 * share;
+        hidden = earth.hidden(here);
+      }
     }
+    place(from.map((v) => beyond * v), way, 0.1, 100);
+    if (!hidden) renderer.render({ scene: drawn.near, camera });
+    tags(wide, high, hidden || beyond > 1.4 * CLOSE, far);
     words(q, others, values);
     root.dataset.frames = ++drawnFrames;
   }
   const ASIDE = [0, -13, 13, -26, 26].map((d) => [0, d]); // px, where a label would stand on another one
   const BESIDE = [[1, 0], [-1, 0], [1, 13], [-1, 13], [1, -13], [-1, -13]]; // its width and px, where it would stand on an arrow
-  function tags(wide, high) {
-    camera.updateMatrixWorld();
-    const taken = [];
+  function tags(wide, high, hidden, far) { // the body's own names are hidden where it is small
+    const taken = [], near = [...camera.position];
     for (const label of labels) {
-      label.at = label.where();
+      label.at = label.far || !hidden ? label.where() : null;
       label.it.hidden = !label.at;
     }
+
     for (const label of labels) if (label.at) label.half ||= label.it.offsetWidth / 2 + 2;
     const seen = (at) => {
       const p = new Vec3(...at);
       camera.project(p);
       return p;
     };
+    const behind = (at) => new Vec3(...at).applyMatrix4(camera.viewMatrix)[2] > -camera.near;
+    const points = labels.map((label) => (label.at && !label.far && !behind(label.at) ? seen(label.at) : null));
+    if (far) {
+      place(...far);
+      labels.forEach((label, i) => { if (label.at && label.far && !behind(label.at)) points[i] = seen(label.at); });
+      place(near, far[1], 0.1, 100);
+    }
+    labels.forEach((label, i) => { if (!points[i] || (label.far && Math.max(Math.abs(points[i][0]), Math.abs(points[i][1])) > 1)) label.it.hidden = !(label.at = null); });
+
     const shafts = labels.filter(({ at, arrow }) => at && arrow).flatMap(({ it, at }) => // the outer parts of arrows
       [0.4, 0.5, 0.6, 0.7, 0.8, 0.9].map((part) => {
         const p = seen(at.map((v) => part * v));
         return { it, x: (wide * (1 + p[0])) / 2, y: (high * (1 - p[1])) / 2 };
       }));
-    for (const { it, at, half } of labels) {
+    for (const [i, { it, at, half }] of labels.entries()) {
       if (!at) continue;
-      const p = seen(at);
-      const across = (p[0] * wide) / 2, down = (-p[1] * high) / 2, far = Math.hypot(across, down) || 1; // from the middle, outwards
-      const x = Math.min(wide - half, Math.max(half, wide / 2 + across * (1 + half / far))), y = high / 2 + down * (1 + 5 / far);
+      const p = points[i];
+      const across = (p[0] * wide) / 2, down = (-p[1] * high) / 2, off = Math.hypot(across, down) || 1; // from the middle, outwards
+      const x = Math.min(wide - half, Math.max(half, wide / 2 + across * (1 + half / off))), y = high / 2 + down * (1 + 5 / off);
       const places = [...ASIDE, ...BESIDE].map(([a, b]) => ({ it, x: x + 2 * a * half, y: y + b, half }))
         .filter((p) => p.x >= half - 1e-6 && p.x <= wide - half + 1e-6);
       const free = (p) => !taken.some((o) => Math.abs(o.x - p.x) < o.half + half && Math.abs(o.y - p.y) < 12);
@@ -161,12 +193,14 @@
   // ---------------------------------------------------------------- controls
 
   let playing = 0, before = 0, told = 0;
-  const { first, last } = flown; // every flight has the same instants
+  const { first, last } = flown; // those of the whole run; a part of a flight ends before
+  const reached = () => Math.min(last, flown.last);
   function go(t, quiet) {
     now = Math.min(last, Math.max(first, t));
     draw();
     if (!quiet) timeline.set(now, follow);
   }
+  timeline.go = (t) => { before = 0; go(t); };
   const follow = (t) => { if (t !== null && !playing) { now = Math.min(last, Math.max(first, t)); draw(); } };
   timeline.followers.push(follow);
   const speed = () => Number(part("speed").value) || (last - first) / 40;
@@ -175,13 +209,26 @@
     const passed = before ? (stamp - before) / 1000 : 0;
     if (calm.matches && before && passed < 1) { playing = requestAnimationFrame(step); return; } // a picture a second
     before = stamp;
-    const next = now + passed * speed(), tell = stamp - told > 60;
+    const next = Math.min(reached(), now + passed * speed()), tell = stamp - told > 60;
     if (tell) told = stamp;
+    pace(passed);
     go(next, !tell);
     if (next >= last) stop();
     else playing = requestAnimationFrame(step);
   }
+  let late = 0;
+  function pace(passed) { // fewer pixels where twelve pictures in a row took more than 1/28 s each
+    late = passed > 1 / 28 && passed < 0.5 ? late + 1 : Math.max(0, late - 1);
+    if (late > 12 && !lower) sharpen(true);
+  }
+  function sharpen(low) {
+    lower = low;
+    late = 0;
+    renderer.dpr = low ? 0.6 : Math.min(2, window.devicePixelRatio || 1);
+    resize();
+  }
   function stop() {
+    if (lower) sharpen(false);
     cancelAnimationFrame(playing);
     playing = 0;
     play.textContent = "Play";
@@ -201,9 +248,12 @@
   part("frame").addEventListener("change", (event) => { frame = event.target.value; draw(); });
   for (const name of ["lvlh", ...Object.keys(ghosts)]) {
     part(name).addEventListener("change", draw);
-    part(name).closest("label").hidden = name === "lvlh" ? !orbiting : data[name] == null;
+    part(name).closest("label").hidden = name === "lvlh" ? !orbiting : name === "before" || data[name] == null;
   }
-  if (!orbiting) part("frame").querySelector('[value="orbit"]').remove();
+  if (!orbiting) for (const name of ["orbit", "earth"]) part("frame").querySelector(`[value=${name}]`).remove();
+  part("field").closest("label").hidden = part("camera").closest("label").hidden = !orbiting;
+  part("field").addEventListener("change", () => { earth.field.visible = shown("field"); draw(); });
+  part("camera").addEventListener("change", (event) => { distance = event.target.value === "far" ? WIDE : 4.2; draw(); });
   for (const arrow of arrows) {
     const it = document.createElement("label"), box = document.createElement("input"), mark = document.createElement("i");
     box.type = "checkbox";
@@ -238,9 +288,17 @@
     marks.hidden = !marks.children.length;
     fit();
   }
-  document.addEventListener("flown", ({ detail }) => { // a live page has flown again
+  marks.addEventListener("click", (event) => { // goes there
+    const { left, width } = marks.getBoundingClientRect();
+    timeline.go(first + ((event.clientX - left) / width) * (last - first));
+  });
+  document.addEventListener("before", () => {
+    former = flown;
+    part("before").closest("label").hidden = false;
+  });
+  document.addEventListener("flown", ({ detail }) => { // a live page has flown again, or a part of it
     flown = motion.read(detail.view, array);
-    drawn.renew(flown);
+    earth?.renew(flown);
     marked();
     draw();
   });
@@ -271,7 +329,8 @@
     draw();
   }
   function nearer(factor) {
-    distance = Math.min(15, Math.max(2, distance * factor));
+    distance = Math.min(orbiting ? 1.6 * WIDE : CLOSE, Math.max(2, distance * factor ** (distance > CLOSE ? 2 : 1)));
+    if (orbiting) part("camera").value = distance > WIDE / 3 ? "far" : "near";
     draw();
   }
   canvas.addEventListener("wheel", (event) => {
@@ -311,4 +370,5 @@
   }).observe(stage);
   resize();
   paint();
+  if (page.live && !calm.matches) start(); // it moves at once
 })();

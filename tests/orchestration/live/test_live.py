@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +15,13 @@ from click.testing import CliRunner
 from orchestration import run
 from orchestration.cli.main import main
 from orchestration.errors import InputError
+from orchestration.expectations.outcomes import Outcome
 from orchestration.live.sliders import controls
 from orchestration.live.system import checked, prepare
 from orchestration.results import whole
 from orchestration.session.open import open_scenario
 from orchestration.session.read import load
-from tests.orchestration.results.browser import Tab
+from tests.orchestration.results.browser import Tab, box
 from tests.orchestration.results.test_place import full
 
 pytestmark = pytest.mark.compile
@@ -60,8 +61,9 @@ def opened(chromium: Tab, folder: Path) -> Tab:
 
 @pytest.fixture
 def page(opened: Tab) -> Tab:
-    """The page at the scenario's own values."""
+    """The page at the scenario's own values, at the start."""
     opened.page.click("#reset")
+    opened.page.locator("[data-part=slider]").fill("0")
     flown(opened)
     return opened
 
@@ -90,6 +92,18 @@ def move(page: Tab, positions: Mapping[int, float]) -> None:
     page.page.evaluate(f"(() => {{ let it; {moves} }})()")
 
 
+def native(outcomes: Sequence[Outcome]) -> list[tuple[str, float | str | None, float | None]]:
+    """What a page says of the same outcomes."""
+    return [(o.status, o.found, o.time) for o in outcomes]
+
+
+def saved(page: Tab, folder: Path) -> Path:
+    """The scenario of what the page has flown, beside the one that it extends."""
+    scenario = folder / "scenarios" / "of_the_page.yaml"
+    scenario.write_text(page.page.text_content("#scenario") or "", "utf-8")
+    return scenario
+
+
 def test_five_sets_of_parameters_have_the_hash_of_the_native_run(page, folder):
     seen = set()
     for name, (sliders, faults) in SETS.items():
@@ -99,12 +113,27 @@ def test_five_sets_of_parameters_have_the_hash_of_the_native_run(page, folder):
         if sliders:
             move(page, sliders)
         own = flown(page)["hash"]
-        scenario = folder / "scenarios" / "of_the_page.yaml"
-        scenario.write_text(page.page.text_content("#scenario") or "", "utf-8")
-        assert own == run(scenario).sha256, name
+        assert own == run(saved(page, folder)).sha256, name
         seen.add(own)
     assert len(seen) == len(SETS)
     assert page.complaints == []
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "scenarios").glob("*.yaml")))
+def test_every_scenario_flies_in_its_page_to_the_native_bits_and_verdicts(elsewhere, folder, name):
+    scenario, target = folder / "scenarios" / f"{name}.yaml", folder / f"{name}.html"
+    done = CliRunner().invoke(main, ["live", str(scenario), "--out", str(target)], catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    assert target.stat().st_size <= 2_500_000
+    elsewhere.open(target, 1400)
+    elsewhere.until("document.documentElement.dataset.state === 'shown'", 240)
+    said = elsewhere.page.evaluate("({...document.documentElement.dataset})")
+    result = run(scenario)
+    assert said["hash"] == result.sha256
+    found = [(each["status"], each["value"], each["time"]) for each in json.loads(said["verdicts"])]
+    assert found == native(result.outcomes)
+    assert elsewhere.complaints == []
 
 
 @pytest.mark.thorough
@@ -137,6 +166,85 @@ def test_faults_that_overlap_on_one_element_have_the_hash_of_the_native_run(else
         assert hash_ == run(of_page).sha256, pressed
         seen.add(hash_)
     assert len(seen) == len(added)  # the same fault a second time changes nothing
+
+
+def test_the_verdict_of_each_expectation_is_that_of_the_native_run_whatever_the_sliders_say(page, folder):
+    for sliders, faults in (({}, ()), ({0: 140.0, 1: 8.0}, (0,)), ({4: 0.5}, (0, 1))):
+        page.page.click("#reset")
+        for number in faults:
+            page.page.click(f"[data-fault='{number}']")
+        move(page, sliders)
+        found = json.loads(flown(page)["verdicts"])
+        outcomes = run(saved(page, folder)).outcomes
+        assert [tuple(one[k] for k in ("status", "value", "time")) for one in found] == native(outcomes)
+        unmet = sum(o.status != "met" for o in outcomes)
+        shown = page.page.text_content("#verdict") or ""
+        assert shown == (
+            f"{unmet} of {len(outcomes)} expectations not met" if unmet else f"all {len(outcomes)} expectations met"
+        )
+
+
+def test_a_fault_is_injected_at_the_instant_that_is_shown(page, folder):
+    page.page.locator("[data-part=slider]").fill("200.05")
+    page.page.click("[data-now='0']")
+    hash_ = flown(page)["hash"]
+    scenario = saved(page, folder)
+    (fault,) = load(scenario).faults
+    assert (fault.at, str(fault.set)) == (200.1, "plant.rod_gain[1] = 0")  # the next step
+    assert run(scenario).sha256 == hash_
+    page.page.fill("[data-at='1']", "300")
+    page.page.press("[data-at='1']", "Enter")
+    hash_ = flown(page)["hash"]
+    scenario = saved(page, folder)
+    assert [(fault.at, fault.until) for fault in load(scenario).faults] == [(200.1, None), (300.0, 360.0)]
+    assert run(scenario).sha256 == hash_
+
+
+def test_a_link_carries_what_was_changed_and_undo_takes_it_back(page, folder):
+    first = flown(page)["hash"]
+    page.page.fill("[data-typed='0']", "140")
+    page.page.press("[data-typed='0']", "Enter")
+    turned = flown(page)["hash"]
+    page.page.click("[data-fault='2']")
+    both = flown(page)["hash"]
+    address = page.page.evaluate("location.hash")
+    assert address == "#plant.Q0=140&fault3=100"
+    page.page.click("#undo")
+    assert flown(page)["hash"] == turned
+    page.page.keyboard.press("Control+z")
+    assert flown(page)["hash"] == first
+    page.page.evaluate(f"location.hash = {address!r}")
+    page.until("document.documentElement.dataset.hash === " + repr(both))
+
+
+def test_the_flight_before_stays_as_a_ghost_until_the_next_change(page):
+    before = page.page.evaluate(SHOWN)
+    move(page, {0: 30.0})
+    flown(page)
+    assert not page.page.evaluate("document.querySelector('[data-part=before]').closest('label').hidden")
+    with_ghost = page.page.evaluate(SHOWN)
+    page.page.evaluate("document.querySelector('[data-part=before]').click()")
+    page.settle()
+    assert len({before, with_ghost, page.page.evaluate(SHOWN)}) == 3
+    page.page.evaluate("document.querySelector('[data-part=before]').click()")
+
+
+def test_it_moves_within_a_second_of_opening_but_for_those_who_want_less_motion(elsewhere, folder):
+    elsewhere.open(folder / "vb.html", 1400)
+    elsewhere.until("Number(document.querySelector('[data-part=slider]').value) > 1")
+    assert elsewhere.page.get_attribute("[data-part=play]", "aria-pressed") == "true"
+    elsewhere.page.emulate_media(reduced_motion="reduce")
+    elsewhere.page.reload()
+    flown(elsewhere)
+    assert elsewhere.page.input_value("[data-part=slider]") == "0"
+    assert elsewhere.page.get_attribute("[data-part=play]", "aria-pressed") == "false"
+
+
+def test_a_click_on_a_plot_or_on_the_phases_goes_there(page):
+    left, top, width, height = box(page, ".plot .u-over")
+    page.page.mouse.click(left + width / 2, top + height / 2)
+    page.settle()
+    assert float(page.page.input_value("[data-part=slider]")) == pytest.approx(386.1 / 2, abs=2)
 
 
 def test_a_flight_is_shown_in_the_view_and_what_is_of_the_one_before_is_marked_meanwhile(page, folder):
@@ -264,7 +372,11 @@ def test_the_button_of_a_fault_that_a_shortened_run_does_not_reach_is_disabled(t
     )
     assert done.exit_code == 0, done.output
     buttons = re.findall(r"<button[^>]*data-fault[^>]*>", page.read_text("utf-8"))
-    assert ["disabled" in button for button in buttons] == [False, True, True]
+    assert ["disabled" in button for button in buttons[:3]] == [
+        False,
+        True,
+        True,
+    ]  # behind them those of the interfaces
 
 
 def test_a_page_that_cannot_be_written_leaves_the_earlier_one(tmp_path, monkeypatch):

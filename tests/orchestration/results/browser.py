@@ -72,12 +72,12 @@ class Tab:
         """Lets the page paint what it has to."""
         self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
 
-    def until(self, condition: str) -> None:
-        """Waits until an expression is true; Playwright's own way evaluates text in the page, which its policy
+    def until(self, condition: str, patience: float = PATIENCE) -> None:
+        """Waits (s) until an expression is true; Playwright's own way evaluates text in the page, which its policy
         refuses."""
         became = self.page.evaluate(
             f"""new Promise(done => {{
-              const late = performance.now() + {1000 * PATIENCE};
+              const late = performance.now() + {1000 * patience};
               const look = () => (
                 ({condition}) ? done(true) : performance.now() > late ? done(false) : setTimeout(look, 4)
               );
