@@ -12,6 +12,7 @@ from typing import Any
 import yaml
 from click.testing import CliRunner
 
+from docs.site.live import flights
 from orchestration.cli.main import main
 
 ROOT = Path(__file__).parents[2]
@@ -28,7 +29,7 @@ _SIGNALS = re.compile(r'<a href="signals\.\w+">[^<]*</a>, ')
 
 def page(out: Path) -> str:
     """The gallery's Markdown; runs every scenario and puts figures and reports beside the page."""
-    sections = [HEAD]
+    sections = [HEAD, flights()]
     for path in sorted((ROOT / "scenarios").glob("*.yaml")):
         scenario = yaml.safe_load(path.read_text("utf-8"))
         results = out / "runs" / path.stem

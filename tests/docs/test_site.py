@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import re
 from html import escape
+from pathlib import Path
 
 import markdown  # type: ignore[import-untyped]
 import pytest
 
 from docs.site import __main__ as site
-from docs.site import frames, packages
+from docs.site import frames, live, packages
 from docs.site.links import check
 from docs.site.pages import with_mathml
 from fmus.interface import BLOCKS, load
+from orchestration.session.read import load as scenario_of
 
 from .commands import PAGES, ROOT
 
@@ -37,6 +39,21 @@ def test_a_dead_link_a_missing_heading_and_a_script_from_the_network_are_found(t
         ["links", "#c,"],
         ["loads", "https://x.org/y.js"],
     ]
+
+
+def test_the_eight_flights_of_the_gallery_have_scenarios_faults_and_a_sentence_each():
+    assert len(live.FLIGHTS) == 8
+    for page, sentence in live.FLIGHTS.values():
+        assert sentence.endswith(".")
+        assert len(sentence) > 40
+        address, _, changed = page.partition("#")
+        if not address.startswith("live/"):
+            assert (ROOT / "docs" / address).exists()
+            continue
+        scenario = scenario_of(ROOT / "scenarios" / f"{Path(address).stem}.yaml")
+        for text in filter(None, changed.split("&")):
+            number = int(text.partition("=")[0].removeprefix("fault"))
+            assert number <= len(scenario.faults) + len(scenario.live.faults if scenario.live else ())
 
 
 def test_equations_become_mathml_and_code_stays():

@@ -9,31 +9,46 @@
   const { page, array, figures, colour: ofPlots } = timeline, data = page.view;
   const { size, unit, apart } = motion;
   const part = (name) => root.querySelector(`[data-part="${name}"]`);
-  const stage = part("stage"), canvas = part("canvas"), slider = part("slider"), play = part("play");
+  const stage = part("stage"), slider = part("slider"), play = part("play");
   const dark = matchMedia("(prefers-color-scheme: dark)"), calm = matchMedia("(prefers-reduced-motion: reduce)");
   let flown = motion.read(data, array), former = null; // the flight before, on a live page
 
-  let renderer;
-  try {
+  let canvas = part("canvas"), renderer, gl, drawn, body, local, ghosts, arrows, light, earth;
+  const labels = [];
+  function build() { // all that a context of WebGL holds
     renderer = new Renderer({ canvas, alpha: true, premultipliedAlpha: true, antialias: true, preserveDrawingBuffer: true, dpr: Math.min(2, window.devicePixelRatio || 1), autoClear: false });
+    gl = renderer.gl;
+    for (const { it } of labels.splice(0)) it.remove();
+    const shown = arrows;
+    drawn = scene(gl, { data, coastlines: page.coastlines }, flown, {
+      wide: () => stage.clientWidth > 480,
+      label(text, where, arrow, far) {
+        const it = document.createElement("span");
+        it.textContent = text;
+        it.className = "tag";
+        stage.append(it);
+        labels.push({ it, where, arrow, far });
+        return it;
+      },
+    });
+    ({ body, local, ghosts, arrows, light, earth } = drawn);
+    shown?.forEach(({ on, value }, i) => Object.assign(arrows[i], { on, value }));
+    canvas.addEventListener("webglcontextlost", renewed, { once: true });
+  }
+  function renewed() { // the browser took the context away, as it does where its graphics process ends: names without a view
+    const fresh = canvas.cloneNode();
+    canvas.replaceWith(fresh);
+    canvas = fresh;
+    build();
+    resize();
+    paint();
+  }
+  try {
+    build();
   } catch (error) {
     stage.textContent = "This browser has no WebGL, which the three-dimensional view needs; the plots show the same motion.";
     return;
   }
-  const { gl } = renderer;
-  const labels = [];
-  const drawn = scene(gl, { data, coastlines: page.coastlines }, flown, {
-    wide: () => stage.clientWidth > 480,
-    label(text, where, arrow, far) {
-      const it = document.createElement("span");
-      it.textContent = text;
-      it.className = "tag";
-      stage.append(it);
-      labels.push({ it, where, arrow, far });
-      return it;
-    },
-  });
-  const { body, local, ghosts, arrows, light, earth } = drawn;
 
   // ---------------------------------------------------------------- camera and frame
 
@@ -254,14 +269,14 @@
   part("field").closest("label").hidden = part("camera").closest("label").hidden = !orbiting;
   part("field").addEventListener("change", () => { earth.field.visible = shown("field"); draw(); });
   part("camera").addEventListener("change", (event) => { distance = event.target.value === "far" ? WIDE : 4.2; draw(); });
-  for (const arrow of arrows) {
+  for (const [i, arrow] of arrows.entries()) {
     const it = document.createElement("label"), box = document.createElement("input"), mark = document.createElement("i");
     box.type = "checkbox";
     box.checked = arrow.on;
     mark.style.background = arrow.colour;
     arrow.value = document.createElement("b");
     it.append(box, mark, `${arrow.name} `, arrow.value);
-    box.addEventListener("change", () => { arrow.on = box.checked; draw(); });
+    box.addEventListener("change", () => { arrows[i].on = box.checked; draw(); });
     part("vectors").append(it);
   }
   const marks = part("marks"), share = (t) => (100 * (t - first)) / (last - first);
@@ -305,11 +320,11 @@
 
   const fingers = new Map();
   let reach = 0; // between two fingers
-  canvas.addEventListener("pointerdown", (event) => {
+  stage.addEventListener("pointerdown", (event) => {
     fingers.set(event.pointerId, [event.clientX, event.clientY]);
-    canvas.setPointerCapture(event.pointerId);
+    stage.setPointerCapture(event.pointerId);
   });
-  canvas.addEventListener("pointermove", (event) => {
+  stage.addEventListener("pointermove", (event) => {
     const from = fingers.get(event.pointerId);
     if (!from) return;
     const to = [event.clientX, event.clientY];
@@ -322,7 +337,7 @@
       turn((to[0] - from[0]) / 150, (to[1] - from[1]) / 150);
     }
   });
-  for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, (event) => { fingers.delete(event.pointerId); reach = 0; });
+  for (const name of ["pointerup", "pointercancel"]) stage.addEventListener(name, (event) => { fingers.delete(event.pointerId); reach = 0; });
   function turn(aside, upward) {
     azimuth -= aside;
     height = Math.min(1.5, Math.max(-1.5, height + upward));
@@ -333,12 +348,12 @@
     if (orbiting) part("camera").value = distance > WIDE / 3 ? "far" : "near";
     draw();
   }
-  canvas.addEventListener("wheel", (event) => {
+  stage.addEventListener("wheel", (event) => {
     if (!event.ctrlKey && document.activeElement !== canvas) return; // the page scrolls
     event.preventDefault();
     nearer(event.deltaY > 0 ? 1.12 : 0.89);
   }, { passive: false });
-  canvas.addEventListener("keydown", (event) => {
+  stage.addEventListener("keydown", (event) => {
     const keys = { ArrowLeft: () => turn(-0.1, 0), ArrowRight: () => turn(0.1, 0), ArrowUp: () => turn(0, 0.1), ArrowDown: () => turn(0, -0.1), "+": () => nearer(0.89), "-": () => nearer(1.12), " ": toggle };
     if (!keys[event.key]) return;
     event.preventDefault();

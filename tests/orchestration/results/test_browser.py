@@ -229,3 +229,24 @@ def test_on_paper_the_view_is_a_still_picture_with_its_labels_on_it(chromium, mo
     page.evaluate("window.dispatchEvent(new Event('afterprint'))")
     assert still.count() == 0
     assert chromium.complaints == []
+
+
+def test_a_view_whose_context_the_browser_takes_away_is_drawn_again(chromium, motion):
+    report = chromium
+    report.open(motion)
+    lit = """(() => {
+      const { width, height } = document.querySelector("[data-part=canvas]");
+      const copy = new OffscreenCanvas(width, height).getContext("2d");
+      copy.drawImage(document.querySelector("[data-part=canvas]"), 0, 0);
+      return copy.getImageData(0, 0, width, height).data.filter((v, i) => i % 4 === 3 && v).length;
+    })()"""
+    before = report.page.evaluate(lit)
+    assert before > 10_000
+    report.page.evaluate("""(() => {
+      const gl = document.querySelector("[data-part=canvas]").getContext("webgl2");
+      window.lost = document.querySelector("[data-part=canvas]");
+      gl.getExtension("WEBGL_lose_context").loseContext();
+    })()""")
+    report.until("window.lost !== document.querySelector('[data-part=canvas]')")
+    report.settle()
+    assert abs(report.page.evaluate(lit) - before) < 0.1 * before
