@@ -25,6 +25,7 @@ from plant.solar_pressure import PRESSURE
 
 from .loop import parameters
 
+PLANTS = ("plant", "plant_wheels")
 FIELD, RADIUS = 3.0e-5, 6371.2e3
 """T and m: the Earth's dipole field at its equator, twice as strong at the poles (IGRF-14 rounded)."""
 DENSITY = (10.0, 6000.0)
@@ -120,11 +121,18 @@ def findings(scenario: Scenario, mass: float | None = None) -> list[Finding]:
     return list(_compared(satellite(scenario, mass)))
 
 
+def notes(scenario: Scenario) -> list[str]:
+    """Returns the findings as notes of a run; a scenario without a satellite has none."""
+    if not any(entry.fmu in PLANTS for entry in scenario.blocks.values()):
+        return []
+    return [f"not plausible: {finding}" for finding in findings(scenario)]
+
+
 def satellite(scenario: Scenario, mass: float | None = None) -> Satellite:
     """Returns the satellite of a scenario with a block `plant` or `plant_wheels`. Raises InputError."""
     opened = open_scenario(scenario)
     by_kind = {entry.fmu: name for name, entry in reversed(scenario.blocks.items())}
-    block = next((block for block in ("plant", "plant_wheels") if block in by_kind), None)
+    block = next((block for block in PLANTS if block in by_kind), None)
     if block is None:
         raise InputError(
             scenario.error(("blocks",), "expected a block with 'fmu: plant' or 'fmu: plant_wheels', found none")

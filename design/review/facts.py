@@ -16,9 +16,8 @@ from orchestration.session.open import open_scenario
 from orchestration.session.read import load, read
 from plant.so3 import Array
 
-from ..plausible import Satellite, satellite
+from ..plausible import PLANTS, Satellite, satellite
 
-PLANTS = ("plant", "plant_wheels")
 GOAL = math.radians(5.0)
 """Of the hold, where no expectation states one."""
 

@@ -14,11 +14,13 @@ from ..campaign import engine
 from ..campaign.case import Case, read_campaign
 from ..campaign.flying import batches
 from ..campaign.replay import Replayed, replay, worst
-from ..campaign.report.page import value_text
+from ..campaign.report.page import metrics_of
+from ..campaign.report.plots import Metric
 from ..campaign.sums import read
 from ..errors import InputError
 from ..expectations.metrics import MetricError
 from ..quantities import shown, with_unit
+from ..results.inputs import value_text
 from ..results.place import check_writable
 from .campaign_summary import summary
 from .console import Progress, complain, notes, open_page, say, say_table
@@ -107,11 +109,17 @@ def command(
     finally:
         bar.close()
     if not quiet:
-        summary(read(target), finished.reason)
+        summary(read(target), finished.reason, _metrics(target) if finished.flown else ())
         say(f"\nresults in {target}" + ("" if finished.page is None else f", report in {finished.page}"))
     if open_ and finished.page is not None:
         open_page(finished.page)
     ctx.exit(_status(case, finished, quiet))
+
+
+def _metrics(folder: Path) -> list[Metric]:
+    from ..campaign.flying.rows import Rows  # it needs PyArrow, and the help does without  # noqa: PLC0415
+
+    return metrics_of(Rows(folder))
 
 
 def _note(text: str) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from ..campaign.report.plots import Metric
 from ..campaign.statistics.verdicts import percent, probability
 from ..quantities import with_unit
 from .console import say, say_table
@@ -15,8 +18,8 @@ _NAMED = 4
 """Varied entries that are named for each metric at most."""
 
 
-def summary(manifest: Mapping[str, Any], reason: str | None = None) -> None:
-    """Prints the verdicts of a campaign, what its metrics depend on, and the worst case, from its campaign.json.
+def summary(manifest: Mapping[str, Any], reason: str | None = None, metrics: Sequence[Metric] = ()) -> None:
+    """Prints the verdicts of a campaign, its metrics, what they depend on, and the worst case, from its campaign.json.
 
     `reason` is why the first run failed that did.
     """
@@ -33,6 +36,7 @@ def summary(manifest: Mapping[str, Any], reason: str | None = None) -> None:
         for verdict in manifest["verdicts"]:
             if verdict["status"] == "undecided":
                 say(f"{verdict['name']}: undecided: {verdict['text']}", fg="yellow")
+    _spread(metrics)
     _influence(manifest.get("sensitivity"))
     _worst(manifest.get("search"), {m["name"]: m["unit"] for m in manifest["metrics"]})
 
@@ -49,6 +53,21 @@ def _verdicts(manifest: Mapping[str, Any]) -> None:
     say()
     styles = [colour(v["status"]) for v in manifest["verdicts"]]
     say_table(("verdict", "requirement", "bound", "required", "share, bounds"), rows, styles, whole=True)
+
+
+def _spread(metrics: Sequence[Metric]) -> None:
+    """Prints of each metric what half and 90% of the runs are not worse than, and the worst; a failed run is worse
+    than all.
+    """
+    rows = []
+    for metric in metrics:
+        sign = -1.0 if metric.lower_is_worse else 1.0
+        bad = np.where(np.isnan(metric.values), np.inf, sign * metric.values)
+        ends = [float(sign * np.quantile(bad, part, method="inverted_cdf")) for part in (0.5, 0.9, 1.0)]
+        rows.append((metric.name, *(metric.with_unit(x) if np.isfinite(x) else "never or failed" for x in ends)))
+    if rows:
+        say()
+        say_table(("metric", "half of the runs", "90%", "worst"), rows)
 
 
 def _influence(found: Mapping[str, Any] | None) -> None:

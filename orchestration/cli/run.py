@@ -25,6 +25,7 @@ from ..system.wiring import Node
 from .console import Progress, complain, notes, open_page, say
 from .help import examples
 from .keyboard import KEYS, keyboard
+from .noted import noted
 from .options import FIGURES, FORMAT, OPEN, QUIET, changes, out_folder
 from .overrides import Changes
 from .paths import PATH
@@ -135,7 +136,7 @@ def command(
             outputs = [variable.name for variable in result.models[block].of("output")]
             result.warnings += [str(finding) for finding in own_claims(result.scenario, block, outputs)]
         if not quiet:
-            notes(result.warnings)
+            notes([*result.warnings, *noted(chosen)])
             if len(result.time):
                 summary(result)
         status = _status(result, quiet)

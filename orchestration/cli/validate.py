@@ -22,6 +22,7 @@ from ..swap.own_claims import own_claims
 from ..system import acting
 from .console import folded, notes, say, say_table
 from .help import examples
+from .noted import noted
 from .options import FIGURES, FORMAT, QUIET, changes
 from .overrides import Changes, settings
 from .paths import PATH
@@ -79,7 +80,7 @@ def command(
         for block in change.blocks
         for finding in own_claims(opened.plan.scenario, block, [v.name for v in opened.plan.models[block].of("output")])
     )
-    notes([*opened.plan.notes, *claims, *_of_live(chosen)])
+    notes([*opened.plan.notes, *claims, *_of_live(chosen), *noted(chosen)])
     _print(opened, scenario)
 
 

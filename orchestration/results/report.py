@@ -17,6 +17,7 @@ from . import view as seen
 from .curves import crossings, crossings_text
 from .data import RunData, json_text
 from .html import Page, facts, fold, header, joined, key, listed, piece, section, table, verdict
+from .inputs import inputs
 
 _EXPECTATIONS = ("status", "expectation", "found", "expected", "margin", "signal")
 _FMU = ("model", "file", "made by", "isolation", "SHA-256")
@@ -39,6 +40,7 @@ def page(result: RunData, files: Sequence[str] = ()) -> str:
     )
     parts = [
         _header(result),
+        section("Inputs", inputs(result.scenario)),
         first if view or figures else view,
         _facts(result, files),
         section("Expectations", table(_EXPECTATIONS, _expectations(result), "claims")),

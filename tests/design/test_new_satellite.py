@@ -9,6 +9,7 @@ import pytest
 import orchestration
 from design import new_satellite, template
 from design.sheet import box, wheel_axes
+from orchestration.live.system import checked
 from tests.commands import orchestrate
 
 pytestmark = pytest.mark.isolate
@@ -227,3 +228,13 @@ def test_what_is_not_plausible_is_named_and_written_all_the_same(tmp_path):
     result = made(tmp_path / "cube", inertia={"diagonal": [42, 42, 7]}, control_period="0.5 s")
     assert (tmp_path / "cube" / "satellite.yaml").exists()
     assert "in g.m2 it would fit" in result.stderr
+
+
+@pytest.mark.parametrize("wheels", ["one", "three axes"])
+def test_its_live_page_has_sliders_and_faults_and_its_figures_show_the_start(tmp_path, wheels):
+    assert made(tmp_path / "mine", wheels=wheels).exit_code == 0
+    scenario = orchestration.load(tmp_path / "mine" / "tumble.yaml")
+    checked(scenario)
+    assert len(scenario.live.sliders) == 4
+    assert [fault.name for fault in scenario.live.faults][:2] == ["rod 1 dead", "wheel stuck"]
+    assert scenario.figures[0].window is not None

@@ -5,7 +5,6 @@ However many the runs, the page keeps some thousand numbers of each plot, so it 
 
 from __future__ import annotations
 
-import re
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ import numpy as np
 from markupsafe import Markup
 
 from ...results.html import Page, joined
+from ...results.inputs import value_text
 from ...results.report import manifest_fold
 from ..statistics.bounds import quantile, share
 from ..statistics.sensitivity import RANKED
@@ -46,7 +46,7 @@ def page(folder: Path) -> str:
 
     runs = Rows(folder)
     manifest, made = runs.manifest, Page()
-    metrics = _metrics(runs) if len(runs) else []
+    metrics = metrics_of(runs) if len(runs) else []
     varied = ([v["name"], v["text"], "drawn for expressions only" if v["drawn"] else ""] for v in manifest["varied"])
     parts = [
         header(manifest),
@@ -68,7 +68,8 @@ def page(folder: Path) -> str:
     return made.html(f"{manifest['campaign']}: {outcome(manifest)[1]}", parts)
 
 
-def _metrics(runs: Rows) -> list[Metric]:
+def metrics_of(runs: Rows) -> list[Metric]:
+    """Returns the metrics of all runs, each with what is asked of it."""
     asked: dict[str, dict[str, Any]] = {}
     for requirement in runs.manifest["requirements"]:  # the first one of a metric is the one that is drawn
         if requirement.get("metric"):
@@ -221,15 +222,6 @@ def _search(manifest: dict[str, Any], searched: dict[str, Any] | None, metrics: 
         if shown
         else "",
     )
-
-
-def value_text(value: Any) -> str:
-    """Returns a start value with its numbers to six figures."""
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(map(value_text, value))}]"
-    if isinstance(value, dict):
-        return ", ".join(f"{key} {value_text(item)}" for key, item in value.items())
-    return re.sub(r"-?\d+\.\d{6,}(e[-+]?\d+)?", lambda match: f"{float(match[0]):.6g}", str(value))
 
 
 def _expectations(runs: Rows) -> list[list[object]]:

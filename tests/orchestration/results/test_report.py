@@ -9,8 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from orchestration import load, run
 from orchestration.quantities import parse_unit
 from orchestration.results import html, report
+from orchestration.results.inputs import inputs
 
 from ..mocks import Mock, model
 from .swing import EVIL, Reader, data_of, swing, unpacked
@@ -160,3 +162,11 @@ def test_where_the_page_cannot_be_made_the_results_stand(tmp_path, monkeypatch):
     result.save(tmp_path)
     assert {p.name for p in tmp_path.iterdir()} == {"signals.csv", "manifest.json", "expectations.json"}
     assert any("report.html cannot be written: ZeroDivisionError" in warning for warning in result.warnings)
+
+
+def test_the_report_begins_with_what_the_scenario_states():
+    stated = Reader(str(inputs(load("scenarios/minimal.yaml")))).words
+    assert "plant.omega_B0 [2 deg/s, -3 deg/s, 1 deg/s]" in stated
+    assert "J_B" not in stated  # the FMU's own
+    page = report.page(run("scenarios/minimal.yaml", duration="5 s"))
+    assert page.index("<h2>Inputs</h2>") < page.index("data-plot") < page.index("<h2>Expectations</h2>")

@@ -213,3 +213,16 @@ def test_the_console_shows_the_verdicts_in_80_columns(folder, capsys, monkeypatc
     assert "settle: plant.Q0 0.83, rate 0.11" in out
     assert "largest settle of a search with 200 runs: 1159 s; --replay worst flies it" in out
     assert "\x1b[31m" not in out
+
+
+def test_the_console_shows_what_half_and_nine_tenths_of_the_runs_reach_and_the_worst(folder, capsys):
+    manifest = json.loads((folder / "campaign.json").read_text("utf-8"))
+    rows = Rows(folder)
+    summary(manifest, None, report.metrics_of(rows))
+    out = capsys.readouterr().out
+    column = manifest["metrics"][0]["column"]
+    ordered = np.sort(np.where(np.isnan(rows.numbers(column)), np.inf, rows.numbers(column)))
+    told = re.search(rf"^{column} +(\S+) \S+ +(\S+) \S+ +never or failed$", out, re.M)
+    assert told
+    assert float(told[1]) == pytest.approx(ordered[499], rel=1e-3)  # of 1000
+    assert float(told[2]) == pytest.approx(ordered[899], rel=1e-3)
