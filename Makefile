@@ -123,6 +123,7 @@ references: $(VENV)/test
 	  $(BIN)/orchestrate reference $$(echo $$block | tr / _) --out $$block/reference_data || exit; \
 	done
 	$(BIN)/orchestrate reference plant_wheels --out plant/reference_data_wheels
+	$(BIN)/orchestrate reference allocator_bounded_wheels --out allocator/bounded/reference_data_wheels
 
 # The documentation as a web site, out/site/html/index.html; needs no network, neither to be built nor to be read.
 site: $(VENV)/docs

@@ -35,7 +35,7 @@ _OF_ONE = (
     *("plant", "controller", "allocator", "allocator_bounded"),
     *("plant_sensors", "plant_judge", "controller_planned", "controller_wheels", "estimator", "supervisor"),
 )
-SETS = {"plant_wheels": ("plant", "wheel")}
+SETS = {"plant_wheels": ("plant", "wheel"), "allocator_bounded_wheels": ("allocator_bounded", "wheel")}
 """Blocks that are another one for a set of parts: that block, whose package and file they share, and the set's name."""
 BLOCKS: tuple[str, ...] = (*_OF_ONE, *SETS)
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""

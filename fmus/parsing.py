@@ -43,9 +43,10 @@ terminals of one name fit each other. `[view]` has what a three-dimensional view
 of a scenario's `view`, with names of variables, and `lvlh_by`, a parameter whose item "lvlh" says that the desired
 attitude is LVLH. `[page]` has what only a reader needs: `equations`, each with its meaning, and `limits`.
 
-In the two lists of dependencies `name` means every element, `name[i]` the element of the same index, `name[i,:]` and
-`name[:,i]` the row and the column of a matrix that the output's first index names, and `@group` the names that
-`[groups]` gives for it. Tests: tests/fmus/test_rules.py.
+In the two lists of dependencies `name` means every element (of a set's part: those of the same part), `name[:]` those
+of all parts, `name[i]` the element of the same index, `name[i,:]` and `name[:,i]` the row and the column of a matrix
+that the output's first index names, and `@group` the names that `[groups]` gives for it.
+Tests: tests/fmus/test_rules.py.
 """
 
 from __future__ import annotations

@@ -31,7 +31,8 @@ def for_set(
             for key in ("depends_on", "initially_depends_on"):
                 if key in entry:
                     names = [each for each in _expand(entry[key], groups) if each.partition("[")[0] not in absent]
-                    entry[key] = [_of_same_part(each, entries, several) for each in names] if name in several else names
+                    own = [_of_same_part(each, entries, several) for each in names] if name in several else names
+                    entry[key] = [each.removesuffix("[:]") for each in own]
         except InterfaceError as error:
             raise InterfaceError(f"variables.{name}: {error}") from None
         made[name] = _several(entry, sets[entry["each"]]["count"]) if name in several else entry

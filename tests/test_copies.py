@@ -21,9 +21,7 @@ FILES = (
 )
 PIECES = {
     ("estimator/tables/__init__.py", "plant/tables/field_models.py"): ("_WMM", "_package_file"),
-    ("allocator/block.py", "allocator/bounded/block.py"): (
-        *("UNIT_TOLERANCE", "INDEPENDENT_MIN", "_check_axes", "Parameters.U", "Parameters.axis"),
-    ),
+    ("allocator/block.py", "allocator/bounded/parameters.py"): ("UNIT_TOLERANCE",),
     ("controller/block.py", "plant/judge/block.py"): (
         *("REFERENCES", "REFERENCE_TOLERANCE", "Parameters.desired_attitude_0"),
     ),

@@ -19,6 +19,7 @@ ROUNDING = 1e-11
 """Of an output's size at this point, and of all its elements' largest."""
 STEPS = {"controller_planned": 80}
 FULL = np.array([[2.13, 0.1, 0.2], [0.1, 3.04, 0.3], [0.2, 0.3, 3.09]])
+PYRAMID = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0]]) / np.sqrt(3.0)
 R_N, V_N = np.array([6971000.0, 0.0, 0.0]), np.array([0.0, -1052.3891, 7488.1109])
 
 
@@ -90,6 +91,12 @@ def settings(block: str) -> Iterator[dict[str, Any]]:
         },
         "allocator": {"dipole_max": (25.0, 0.5), "rod_axes": (rod_axes,)},
         "allocator_bounded": {"dipole_max": (25.0, 0.5), "rod_axes": (rod_axes,)},
+        "allocator_bounded_wheels": {
+            "wheels": (4,),
+            "dipole_max": (25.0, 0.5),
+            "rod_axes": (rod_axes,),
+            "wheel_axis": (PYRAMID,),
+        },
     }
     names = choices.get(block, {})
     for values in itertools.product(*names.values()):

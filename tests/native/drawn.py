@@ -109,6 +109,30 @@ def allocator_bounded_case(rng: np.random.Generator) -> tuple[Any, Any]:
     return p, u
 
 
+def allocator_bounded_wheels_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    """Up to three rods and none to four wheels, each with its own axis and limits, some beside their wanted momenta."""
+    one, demand = allocator_bounded_case(rng)
+    axes = rng.normal(size=(4, 3))
+    own = {
+        "wheels": int(rng.integers(5)),
+        "rods": int(rng.integers(4)),
+        "wheel_axis": axes / np.linalg.norm(axes, axis=1, keepdims=True),
+        "wheel_torque_max": rng.uniform(1e-3, 1e-2, 4),
+        "wheel_momentum_max": rng.uniform(0.02, 0.05, 4),
+        "wheel_momentum_target": rng.uniform(-0.02, 0.02, 4),
+        "null_space_momentum": rng.choice([0.0, 5e-3, 1e-2]),
+        "wheel_weight": rng.choice([1e-3, 0.02, 0.3]),
+        "wheel_weight_ff": rng.uniform(1e-3, 0.2),
+    }
+    of_wheels = {
+        "h_w": rng.choice([0.0, 1.0], 4) * rng.normal(scale=0.02, size=4),
+        "wheel_torque_ff": rng.normal(scale=1e-3, size=4) if rng.integers(2) else np.full(4, 1e9),
+        "wheel_gains": rng.choice([0.0, -1.0, 0.9, 1.0], 4) if rng.integers(2) else np.full(4, 1e9),
+    }
+    block = "allocator_bounded_wheels"
+    return parameters(block, **{**vars(one), **own}), inputs(block, **{**vars(demand), **of_wheels})
+
+
 def plant_case(rng: np.random.Generator) -> tuple[Any, Any]:
     """Full inertia, offsets, every option of the plant."""
     u = inputs("plant", dipole_cmd=rng.normal(scale=20.0, size=3), wheel_torque_cmd=rng.normal(scale=2e-3))
@@ -389,6 +413,7 @@ CASES = {
     "controller, given reference": controller_with_reference_case,
     "allocator": allocator_case,
     "allocator_bounded": allocator_bounded_case,
+    "allocator_bounded_wheels": allocator_bounded_wheels_case,
     "plant": plant_case,
     "plant_wheels": plant_wheels_case,
     "plant_sensors": plant_sensors_case,

@@ -45,6 +45,13 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
             {"rod_axes": np.eye(3) * 1.0 - 1e-4 * np.eye(3)},
             {"rod_axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]},
         ],
+        "allocator_bounded_wheels": [
+            {"rod_axes": np.eye(3) * 1.0 - 1e-4 * np.eye(3)},
+            {"rod_axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]},
+            {"wheels": 2, "wheel_weight": 1e-5},
+            {"wheel_momentum_target": [0.04, 0.0, 0.0, 0.0]},
+            {"null_space_momentum": 0.02},
+        ],
         "estimator": [
             {"J_B": np.diag([1.0, 1.0, 2.1])},
             {"J_B": np.diag([1.0, 1.0, -1.0])},

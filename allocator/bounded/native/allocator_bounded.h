@@ -1,5 +1,5 @@
-/* Allocation of a torque to one wheel and three magnetic rods within their limits: bounded least squares with a
- * preference. Not in the paper; "[n]" is an equation of Sanyal and Lee-Ho, AIAA 2009-5902.
+/* Allocation of a torque to wheels and magnetic rods within their limits: bounded least squares with a preference. One
+ * wheel and three rods in the block `allocator_bounded`; up to four and three in `allocator_bounded_wheels`. Not in the paper; "[n]" is an equation of Sanyal and Lee-Ho, AIAA 2009-5902.
  *
  * Flight code: plain functions of plain structures, bounded time, no recursion, and no memory but the time.
  * Use: check and prepare once (and again after a change of parameters), start once, then step at every sample.
@@ -18,8 +18,10 @@ typedef struct {
 /* Parameters and what follows from them alone. */
 typedef struct {
     AllocatorBoundedParameters p;
-    double U[3][3]; /* rows: the rods' unit axes */
-    double axis[3]; /* of the wheel, unit */
+    double U[3][3];                              /* rows: the rods' unit axes */
+    double axis[ALLOCATOR_BOUNDED_WHEELS][3];    /* of the wheels, unit */
+    double null_space[ALLOCATOR_BOUNDED_WHEELS]; /* torques of four wheels that cancel on the body, a unit vector */
+    bool has_null_space;
 } AllocatorBoundedLaw;
 
 bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f);

@@ -4,14 +4,14 @@
 
 #include "vector.h"
 
-enum { FREE, LOW, HIGH, FACES = 81 };
+enum { FREE, LOW, HIGH };
 
 /* The minimum over x with its elements free or at their bounds, by elimination; H needs no pivots. */
 static void minimum_on_face(const Box *box, const int side[BOX_N], double x[BOX_N])
 {
     double a[BOX_N][BOX_N], y[BOX_N];
     int index[BOX_N], n = 0;
-    for (int i = 0; i < BOX_N; ++i) {
+    for (int i = 0; i < box->n; ++i) {
         if (side[i] == FREE) {
             index[n++] = i;
         } else {
@@ -20,7 +20,7 @@ static void minimum_on_face(const Box *box, const int side[BOX_N], double x[BOX_
     }
     for (int i = 0; i < n; ++i) {
         y[i] = box->g[index[i]];
-        for (int k = 0; k < BOX_N; ++k) {
+        for (int k = 0; k < box->n; ++k) {
             if (side[k] != FREE) {
                 y[i] -= box->H[index[i]][k] * x[k];
             }
@@ -52,11 +52,11 @@ static void minimum_on_face(const Box *box, const int side[BOX_N], double x[BOX_
 static double violation(const Box *box, const int side[BOX_N], const double x[BOX_N])
 {
     double largest_one = -INFINITY;
-    for (int i = 0; i < BOX_N; ++i) {
+    for (int i = 0; i < box->n; ++i) {
         double one = larger(box->low[i] - x[i], x[i] - box->high[i]);
         if (side[i] != FREE) {
             double gradient = -box->g[i];
-            for (int k = 0; k < BOX_N; ++k) {
+            for (int k = 0; k < box->n; ++k) {
                 gradient += box->H[i][k] * x[k];
             }
             one = (side[i] == HIGH ? gradient : -gradient) / box->H[i][i];
@@ -68,25 +68,40 @@ static double violation(const Box *box, const int side[BOX_N], const double x[BO
     return largest_one;
 }
 
+/* The next of the 3^n faces: the last side counts fastest. */
+static void following(int n, int side[BOX_N])
+{
+    for (int i = n - 1; i >= 0; --i) {
+        side[i] = (side[i] + 1) % 3;
+        if (side[i] != FREE) {
+            break;
+        }
+    }
+}
+
 bool allocator_bounded_box_minimum(const Box *box, double x[BOX_N], double unbounded[BOX_N])
 {
     double least = INFINITY;
-    for (int face = 0; face < FACES && least > 0.0; ++face) {
-        const int side[BOX_N] = {face / 27, face / 9 % 3, face / 3 % 3, face % 3};
+    int faces = 1, side[BOX_N] = {FREE};
+    for (int i = 0; i < box->n; ++i) {
+        faces *= 3;
+    }
+    for (int face = 0; face < faces && least > 0.0; ++face) {
         double candidate[BOX_N];
         minimum_on_face(box, side, candidate);
         const double found = violation(box, side, candidate);
         if (found < least) {
             least = found;
-            for (int i = 0; i < BOX_N; ++i) {
+            for (int i = 0; i < box->n; ++i) {
                 x[i] = larger(smaller(candidate[i], box->high[i]), box->low[i]);
             }
         }
         if (face == 0) { /* all are free */
-            for (int i = 0; i < BOX_N; ++i) {
+            for (int i = 0; i < box->n; ++i) {
                 unbounded[i] = candidate[i];
             }
         }
+        following(box->n, side);
     }
-    return least < INFINITY;
+    return least < INFINITY || box->n == 0;
 }
