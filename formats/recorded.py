@@ -62,6 +62,8 @@ def recorded(result: RunData | Path) -> Recorded:
 def _of_folder(folder: Path) -> Recorded:
     try:
         manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
+        if not isinstance(manifest, dict):
+            raise ValueError("a manifest.json that is none")
         label, values = _table(folder)
     except (OSError, ValueError) as error:
         why = reason(error) if isinstance(error, OSError) else str(error)
@@ -94,7 +96,9 @@ def _table(folder: Path) -> tuple[list[str], NDArray[np.float64]]:
         return table.column_names, np.column_stack([column.to_numpy() for column in table.columns])
     with (folder / "signals.csv").open(encoding="utf-8") as file:
         header = file.readline().rstrip("\n").split(",")
-        return header, np.loadtxt(file, delimiter=",", ndmin=2)
+        if not (rows := file.read().split()):
+            raise ValueError("no rows in signals.csv")
+        return header, np.loadtxt(rows, delimiter=",", ndmin=2)
 
 
 def _made(time: NDArray[np.float64], signals: dict[str, NDArray[np.float64]], manifest: Mapping[str, Any]) -> Recorded:

@@ -160,6 +160,7 @@ _PLAIN = {
     errno.EPERM: "no permission",
     errno.EISDIR: "it is a folder; expected a file",
     errno.ENOTDIR: "a part of this path is a file; expected a folder",
+    errno.EEXIST: "something else is there, such as a link to nothing",
     errno.ENOENT: "there is no such file or folder",
     errno.ENOSPC: "the disk is full",
     errno.EDQUOT: "the disk quota is used up",
@@ -237,6 +238,10 @@ def in_kind(value: Any) -> str:
     return "text" if isinstance(value, str) else as_written(value)
 
 
+_LONG = 200
+"""Characters of a text that a message shows."""
+
+
 def as_written(value: Any) -> str:
     """A value as the user wrote it, for "found ..."."""
     if value is None:
@@ -245,4 +250,6 @@ def as_written(value: Any) -> str:
         return str(value).lower()
     if isinstance(value, dict):
         return "names with values"
+    if isinstance(value, str) and len(value) > _LONG:
+        return f"{value[:_LONG]!r} ... of {len(value)} characters"
     return "a list" if isinstance(value, (list, tuple)) else repr(value)

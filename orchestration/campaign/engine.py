@@ -14,7 +14,7 @@ from typing import Any
 
 from ..errors import InputError, reason
 from ..interrupt import held
-from ..results.place import reserved
+from ..results.place import refuse_links, reserved
 from .case import Case
 from .flying.batches import Crew, Tell
 from .flying.crew import crew
@@ -94,6 +94,7 @@ class _Campaign:
             case, folder, hired, stack, tell, remark,
         )  # fmt: skip
         self._begun = perf_counter()
+        refuse_links(folder)
         self._earlier = earlier_start(case, folder)
         self._announced = announced_first(case, self._earlier)
         self._data = Dataset(folder, case.job, case.runs, self._earlier, self._note)

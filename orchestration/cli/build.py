@@ -15,6 +15,7 @@ from fmus.native.toolchain import CompilerError
 
 from ..errors import InputError, hint, writing
 from ..fmu.archive import shown
+from ..results.place import check_writable
 from .console import say
 from .help import examples
 from .options import FLAVOUR, out_folder
@@ -52,6 +53,8 @@ def command(blocks: tuple[str, ...], flavour: str, fmi: str, out: Path | None, s
             raise InputError("--sources DIR: expected one block, and neither --out, --fmi nor --flavour python")
         _write_sources(blocks[0], sources)
         return
+    if out is not None:
+        check_writable(out)
     try:
         with writing(out or Path("out/fmus")):
             paths = build_fmus(blocks or None, flavour, out, int(fmi))

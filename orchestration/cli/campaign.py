@@ -21,7 +21,7 @@ from ..errors import InputError
 from ..expectations.metrics import MetricError
 from ..quantities import shown, with_unit
 from ..results.inputs import value_text
-from ..results.place import check_writable
+from ..results.place import check_writable, refuse_links
 from .campaign_summary import summary
 from .console import Progress, complain, notes, open_page, say, say_table
 from .help import examples
@@ -145,6 +145,7 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
         raise InputError(f"--replay {index:.20}: expected the index of a run, 0 to {case.runs - 1}, or 'worst'")
     folder = target / f"replay-{index}"
     check_writable(folder)
+    refuse_links(target)
     try:
         again = worst(case, target, folder) if index == "worst" else replay(case, int(index), folder, target)
     except MetricError as error:

@@ -12,6 +12,7 @@ from fmus.build import BLOCKS, BuildError, blocks_of, ensure, ensure_all
 
 from ..errors import InputError, writing
 from ..fmu.archive import shown
+from ..results.place import check_writable
 from ..results.whole import putting
 from .console import say
 from .help import examples
@@ -30,6 +31,8 @@ def command(copy: Path | None, flavour: str) -> None:
 
     Those that are missing or older than their sources are built first.
     """
+    if copy is not None:
+        check_writable(copy)
     try:
         if flavour == "native":
             ensure_all(blocks_of(flavour))

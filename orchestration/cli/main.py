@@ -52,7 +52,7 @@ COMMANDS = {
     "view": "orchestration.cli.view",
 }
 """The commands, and the modules whose `command` they are; each is imported when it is called."""
-EXTRAS = {"campaign": "campaign"}
+EXTRAS = {"campaign": "campaign", "margins": "margins"}
 """The extras of those that need packages beyond the ones of a plain installation."""
 
 

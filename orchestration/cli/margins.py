@@ -10,8 +10,15 @@ from pathlib import Path
 import click
 
 from ..errors import InputError, Place, Problem, writing
+from ..margins.floquet import PULSE, SEGMENT, UNSEEN, Repeated, coordinates
+from ..margins.inject import Rig
+from ..margins.linear import realized
+from ..margins.measure import LONGEST, measure
+from ..margins.report import HEADER, Found
+from ..margins.search import Change, expectations_are_met, lost, pulse_dies_out
+from ..margins.site import site
 from ..quantities import SECOND, QuantityError, value_in
-from ..results.place import check_writable
+from ..results.place import check_writable, refuse_links
 from ..scenario.text import parse
 from ..session.open import open_scenario
 from ..session.session import Session
@@ -21,19 +28,6 @@ from .options import changes, out_folder
 from .overrides import Changes
 from .paths import PATH
 from .status import EXPECTATION_FAILED
-
-try:
-    from ..margins.floquet import PULSE, SEGMENT, UNSEEN, Repeated, coordinates
-    from ..margins.inject import Rig
-    from ..margins.linear import realized
-    from ..margins.measure import LONGEST, measure
-    from ..margins.report import HEADER, Found
-    from ..margins.search import Change, expectations_are_met, lost, pulse_dies_out
-    from ..margins.site import site
-except ModuleNotFoundError as missing:
-    _MISSING = missing.name
-else:
-    _MISSING = None
 
 
 @click.command(
@@ -105,11 +99,10 @@ def command(
 
     Exit status: 0 measured, 1 the loop has no margins there (with the reason), 2 wrong input, 3 an FMU failed.
     """
-    if _MISSING:
-        raise InputError(f"margins needs the package {_MISSING!r}; remedy: pip install 'attitude-cosim[margins]'")
     loaded = change.scenario(scenario)
     target = out or Path("results") / f"{loaded.name}-margins"
     check_writable(target)
+    refuse_links(target)
     with Session(open_scenario(loaded)) as session:
         plan = session.opened.plan
         begin = seconds("--when", when, loaded.duration)

@@ -15,7 +15,7 @@ from ..acceptance.polarity.fly import Loop
 from ..acceptance.polarity.mend import as_yaml, in_words
 from ..acceptance.polarity.swaps import Looked, look
 from ..acceptance.polarity.trials import Trials, run
-from ..results.place import check_writable
+from ..results.place import check_writable, refuse_links
 from ..scenario.source import Source
 from ..session.read import load
 from ..swap.option import swapped
@@ -64,6 +64,7 @@ def command(
     blocks = change.blocks or None
     target = out or Path("results") / f"{load(source).name}-polarity"
     check_writable(target)
+    refuse_links(target)
     looked: Looked | None = None
     if change.given:
         looked = look(ours, swapped(source, change.given), change.blocks)

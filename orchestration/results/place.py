@@ -53,6 +53,19 @@ def check_writable(folder: Path) -> None:
             )
 
 
+def refuse_links(folder: Path) -> None:
+    """Refuses a folder of results in which something is a link: a command would write beyond the folder. Raises
+    InputError.
+
+    The files of a run take the place of links, and hidden files are no one's.
+    """
+    with suppress(OSError):  # it is not there
+        for path in sorted(folder.iterdir()):
+            if path.is_symlink() and path.name not in FILES and not path.name.startswith("."):
+                remedy = "remedy: remove it, or another folder (--out)"
+                raise InputError(f"{path} is a link; expected what lies in the folder itself; {remedy}")
+
+
 def refuse_foreign(folder: Path, own: Iterable[str] = ()) -> None:
     """Refuses a folder that could not be written, or has files in it that are no results. Raises InputError, which
     names them.
@@ -61,6 +74,7 @@ def refuse_foreign(folder: Path, own: Iterable[str] = ()) -> None:
     ours.
     """
     check_writable(folder)
+    refuse_links(folder)
     try:
         there = {path.name for path in folder.iterdir()}
     except OSError:  # it is not there

@@ -145,6 +145,8 @@ def _wrong(detail: Any) -> Problem:
         return Problem(expected=words.format(f"{context[name]:g}"), found=str(value))
     if kind == "string_too_short" or (kind == "too_short" and context["min_length"] == 1):
         return Problem("must not be empty")
+    if kind == "string_too_long":
+        return Problem(expected=f"at most {context['max_length']} characters", found=f"{as_written(value)}")
     if kind in ("too_short", "too_long"):
         least, most = context.get("min_length"), context.get("max_length")
         count = f"at least {least}" if most is None else f"at most {most}"

@@ -106,7 +106,7 @@ class Cycle(Model):
 class Scenario(Extending):
     """A closed loop of FMUs: who takes part, how they are wired, for how long, and what is expected of it."""
 
-    name: Annotated[str, Field(strict=True, pattern=r"^\w[\w.-]*$")]
+    name: Annotated[str, Field(strict=True, pattern=r"^\w[\w.-]*$", max_length=200)]
     """Its name, and that of the results' folder: letters, digits, `.`, `_` and `-`."""
     description: str = ""
     """What the scenario shows."""

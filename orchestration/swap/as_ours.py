@@ -60,7 +60,8 @@ def in_ours(link: Link, theirs: list[Any]) -> list[Any] | None:
             return None
     if link.turned:
         return None
-    values: list[Any] | None = None if link.B is None else (link.B @ (np.array(theirs, float) - link.c)).tolist()
+    with np.errstate(invalid="ignore"):  # of an FMU's start that is infinite
+        values: list[Any] | None = None if link.B is None else (link.B @ (np.array(theirs, float) - link.c)).tolist()
     return values
 
 

@@ -3,6 +3,7 @@ steps."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
@@ -24,6 +25,13 @@ def notes(scenario: Scenario, models: Mapping[str, Model], starts: Mapping[str, 
     warnings, problems = list[str](), list[Problem]()
     for block, model in models.items():
         values = {**model.starts, **{start.element: start.value for start in starts[block]}}
+        times = in_steps(model.name)
+        endless = [n for n in (SAMPLE_PERIOD, *times) if not math.isfinite(float(values.get(Element(n, 0), 0.0)))]
+        if endless:
+            found = [f"its FMU's start value of {n} is {float(values[Element(n, 0)])}" for n in endless]
+            message = f"{'; '.join(found)}; expected a finite time; remedy: give it in start"
+            problems.append(scenario.error(("blocks", block), message))
+            continue
         every = scenario.blocks[block].every
         step = every * Fraction(repr(scenario.step))
         counted = f" ({every} base steps of {scenario.step:.10g} s)" if every > 1 else ""
@@ -35,7 +43,7 @@ def notes(scenario: Scenario, models: Mapping[str, Model], starts: Mapping[str, 
                 )
             step, counted = period, f" ({SAMPLE_PERIOD})"
         of = f"the step of {block}, {float(step):.10g} s{counted}"
-        for name, steps in in_steps(model.name).items():
+        for name, steps in times.items():
             if (element := Element(name, 0)) not in values:
                 continue  # an FMU that has taken the name of a block of ours, without this parameter
             time = float(values[element])

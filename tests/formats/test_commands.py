@@ -118,6 +118,18 @@ def test_wrong_input_is_told_without_a_traceback(result, tmp_path, arguments, me
     assert message in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "found"),
+    [("manifest.json", "[]", "a manifest.json that is none"), ("signals.csv", "time,a\n", "no rows in signals.csv")],
+)
+def test_a_folder_whose_files_are_damaged_is_told_without_warnings_of_libraries(result, tmp_path, name, text, found):
+    (result.save(tmp_path / "out") / name).write_text(text)
+    done = convert(str(tmp_path / "out"), "--to", "aem")
+    assert done.exit_code == 2
+    assert done.stderr.count("\n") == 1
+    assert f"found {found}; remedy: " in done.stderr
+
+
 def test_what_is_not_finite_or_has_another_unit_is_refused_and_the_runs_own_files_stay(result, tmp_path):
     folder = result.save(tmp_path / "out")
     told = convert(folder, "--to", "aem", "--rate", "plant.r_N")

@@ -78,7 +78,7 @@ class Keep(Model):
 class Campaign(Extending):
     """A scenario flown again and again with values that vary, metrics of each run, and requirements on them."""
 
-    name: Annotated[str, Field(strict=True, pattern=r"^\w[\w.-]*$")]
+    name: Annotated[str, Field(strict=True, pattern=r"^\w[\w.-]*$", max_length=200)]
     """Its name, and that of the results' folder: letters, digits, `.`, `_` and `-`."""
     description: str = ""
     """What the campaign examines."""

@@ -187,6 +187,7 @@ class Dataset:
         try:
             with held():
                 self.folder.mkdir(parents=True, exist_ok=True)
+                part.unlink(missing_ok=True)  # of a killed start, or a link
                 pq.write_table(table, part)
                 descriptor = os.open(part, os.O_RDWR)
                 try:

@@ -14,6 +14,7 @@ from orchestration.results import whole
 from tests.commands import orchestrate
 
 from ...design.test_new_satellite import GIVEN
+from ..campaign.toy import toy  # noqa: F401
 
 SETS = [part for name, value in GIVEN.items() for part in ("--set", f"{name}={json.dumps(value)}")]
 
@@ -94,6 +95,42 @@ def test_a_link_stays_and_a_device_is_no_file_to_be_replaced(tmp_path):
     device.symlink_to("/dev/null")
     whole.put(device, "lost")
     assert (Path("/dev/null").is_char_device(), device.is_symlink()) == (True, True)
+
+
+def test_a_folder_of_results_in_which_something_is_a_link_is_refused_and_nothing_is_written_elsewhere(toy, tmp_path):  # noqa: F811
+    """Of a run its figures; of a campaign, where it goes on, its runs, its page and what is replayed."""
+    mine, run, flown = (tmp_path / name for name in ("mine", "run", "flown"))
+    mine.mkdir()
+    run.mkdir()
+    campaign = ("campaign", str(toy), "--workers", "0", "--runs", "2")
+    assert orchestrate(*campaign, "--out", str(flown)).exit_code in (0, 1)
+    for words, out, name in (
+        ((str(toy.with_name("loop.yaml")),), run, "figures"),
+        (campaign, flown, "runs"),
+        (campaign, flown, "campaign.html"),
+        ((*campaign, "--replay", "0"), flown, "replay-0"),
+    ):
+        if (out / name).exists():
+            (out / name).rename(tmp_path / "away")
+        (out / name).symlink_to(mine)
+        told = orchestrate(*words, "--out", str(out))
+        message = f"{out / name} is a link; expected what lies in the folder itself; remedy: remove it, or another"
+        assert (told.exit_code, message in told.stderr) == (2, True)
+        (out / name).unlink()
+        if (tmp_path / "away").exists():
+            (tmp_path / "away").rename(out / name)
+    assert not list(mine.iterdir())
+
+
+@pytest.mark.parametrize("arguments", [("fmus", "--copy", "file"), ("build", "plant", "--out", "file")])
+def test_a_place_for_fmus_that_is_a_file_is_refused_before_any_is_built(arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("file").write_text("mine")
+    for name in ("orchestration.cli.fmus.ensure_all", "orchestration.cli.build.build_fmus"):
+        monkeypatch.setattr(name, lambda *_: pytest.fail("it builds"))
+    told = orchestrate(*arguments)
+    assert (told.exit_code, told.stderr.strip()) == (2, "the results cannot be written to file: file is a file")
+    assert Path("file").read_text() == "mine"
 
 
 def full(path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from fmus.interface import InterfaceError, parse
 from orchestration import InputError, load
-from orchestration.fmu.model import Model
+from orchestration.fmu.model import Element, Model
 from orchestration.session.open import open_scenario
 from orchestration.system import periods
 
@@ -78,3 +78,12 @@ def test_an_interface_counts_times_in_whole_steps_or_in_one_at_least(entry):
         InterfaceError, match=r"variables\.period: steps: expected 'whole' or 'at least one' at a scalar"
     ):
         parse(f'{text}variability = "fixed"\ndescription = ""\nstart = 1.0\n{entry}\n')
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_an_fmu_whose_period_starts_at_no_finite_time_is_refused_with_its_block(value):
+    scenario = load(FLIGHT)
+    model = Model("controller_planned", {}, starts={Element("sample_period", 0): value})
+    message = rf"flight_vb\.yaml:\d+: blocks\.controller: its FMU's start value of sample_period is {value}; expected a"
+    with pytest.raises(InputError, match=message):
+        periods.notes(scenario, {"controller": model}, {"controller": []})
