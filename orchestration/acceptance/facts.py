@@ -76,6 +76,7 @@ def _of_file(path: Path, lenient: bool) -> dict[str, Any]:
         "generation_tool": fmu.model.tool,
         "author": said.author or "",
         "version": said.version or "",
+        "license": said.license or "",
         "platforms": platforms(zipped.names(path, "FMU")),
         "capabilities": [text for key, text in _CAPABILITIES.items() if getattr(said.coSimulation, key, False)],
         "experiment": {key: _time(getattr(experiment, name, None)) for key, name in times.items()},

@@ -38,13 +38,11 @@ def write(comparison: Comparison, folder: Path) -> Path:
 
 def page(comparison: Comparison) -> str:
     """Returns the page of a comparison."""
-    ours, theirs = comparison.ours, comparison.theirs
+    ours = comparison.ours
     made = Page(ours)
     title = f"{comparison.block} against {Path(comparison.fmu).name}"
     kind = {"green": "good", "yellow": "warn", "red": "bad"}[colour(comparison)]
     failure = Markup('<pre class="failure">{}</pre>\n').format(comparison.failure) if comparison.failure else ""
-    open_loop = _open_loop(comparison, made)  # whose plots come first on the page
-    figures = joined(figure(ours, entry, made, theirs) for entry in ours.scenario.figures)
     parts = [
         header(
             title,
@@ -52,6 +50,17 @@ def page(comparison: Comparison) -> str:
             [(kind, words.verdict(comparison))],
             failure,
         ),
+        *sections(comparison, made),
+    ]
+    return made.html(title, parts)
+
+
+def sections(comparison: Comparison, made: Page) -> list[Markup]:
+    """Returns the parts of the page below its head, for another page, too."""
+    ours, theirs = comparison.ours, comparison.theirs
+    open_loop = _open_loop(comparison, made)  # whose plots come first on the page
+    figures = joined(figure(ours, entry, made, theirs) for entry in ours.scenario.figures)
+    return [
         open_loop,
         section("Closed loop", _CLOSED + table(_EXPECTATIONS, _claims(comparison))),
         section("Key figures", table(_KEY_FIGURES, _key_figures(comparison))),
@@ -61,7 +70,6 @@ def page(comparison: Comparison) -> str:
         section("Notes", listed(theirs.warnings, "notes")),
         fmu_table("FMUs compared", "whose", _fmus(comparison)),
     ]
-    return made.html(title, parts)
 
 
 def _open_loop(comparison: Comparison, made: Page) -> Markup:

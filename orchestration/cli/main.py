@@ -31,6 +31,7 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 """To look for plugins, Pydantic reads the entry points of all packages that are installed: 10 ms."""
 
 COMMANDS = {
+    "accept": "orchestration.cli.accept",
     "build": "orchestration.cli.build",
     "campaign": "orchestration.cli.campaign",
     "card": "orchestration.cli.card",

@@ -31,7 +31,15 @@ from .plots import faulty
 _ASSETS = Path(__file__).with_name("assets")
 _PLOTS = ("plots.js",)
 _VIEW = ("ogl.iife.min.js", "motion.js", "earth.js", "scene.js", "view.js")
-_KINDS = {"met": "good", "ok": "good", "undecided": "warn", "": "plain", "not evaluated": "plain", "allowed": "plain"}
+_KINDS = {
+    "met": "good",
+    "ok": "good",
+    "undecided": "warn",
+    "": "plain",
+    "not evaluated": "plain",
+    "not tested": "plain",
+    "allowed": "plain",
+}
 """The colours of verdicts; any other one is bad."""
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import ExitStack
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,8 @@ class Bench:
         sources = [node for link in loop.plan.wiring.links for node in link.source if node.block == block]
         self._handed_on = list(dict.fromkeys(node.element for node in sources))
         self._slave: Slave | None = None
+        self.seconds: list[float] | None = None
+        """Where the time of each step is left: Set, DoStep and Get."""
         stack.callback(self._close)
 
     def values(self) -> dict[Element, Any]:
@@ -66,20 +69,50 @@ class Bench:
         `parameters` have other values for this play. Returns None where it refuses them, or gives what is not finite.
         """
         try:
-            if self._slave is not None:
-                self._reset()
-            if self._slave is None:
-                self._open(inputs)
-            table = np.concatenate([inputs[n] for n in self._fed], axis=1)[:, self._order]
-            whole = self._play(table, parameters or {})
+            outputs = self.played(inputs, parameters)
         except BlockError:
             self._close()
             return None
+        return outputs if all(np.isfinite(values).all() for values in outputs.values()) else None
+
+    def played(
+        self, inputs: Mapping[str, Floats], parameters: Mapping[Element, float] | None = None
+    ) -> dict[str, Floats]:
+        """Returns the same, finite or not. Raises BlockError where it refuses."""
+        if self._slave is not None:
+            self._reset()
+        if self._slave is None:
+            self._open(inputs)
+        rows = self._begun(self._table(inputs), parameters)
+        rows += self._stepped_on(self._table(inputs), 1)
         if not self.keeps_instance:
             self._close()
-        if not np.isfinite(whole).all():
-            return None
-        return dict(zip(self._names, np.split(whole, self._ends, axis=1), strict=True))
+        return self._by_name(rows)
+
+    def restored(self, inputs: Mapping[str, Floats]) -> tuple[dict[str, Floats], dict[str, Floats]]:
+        """Returns the outputs of the second half of the inputs, before and after the state of the middle is restored.
+
+        Raises BlockError.
+        """
+        self.played(inputs)
+        self._reset()
+        if self._slave is None:
+            self._open(inputs)
+        assert self._slave is not None
+        table, half = self._table(inputs), len(next(iter(inputs.values()))) // 2
+        self._begun(table)
+        self._stepped_on(table[:half], 1)
+        state = self._slave.save()
+        first = self._stepped_on(table, half)
+        self._slave.restore(state)
+        second = self._stepped_on(table, half)
+        return self._by_name(first), self._by_name(second)
+
+    def _by_name(self, rows: list[Floats]) -> dict[str, Floats]:
+        return dict(zip(self._names, np.split(np.array(rows), self._ends, axis=1), strict=True))
+
+    def _table(self, inputs: Mapping[str, Floats]) -> Floats:
+        return np.concatenate([inputs[n] for n in self._fed], axis=1)[:, self._order]
 
     def _reset(self) -> None:
         """Sets the instance back to its start, or closes it where it cannot."""
@@ -101,25 +134,33 @@ class Bench:
         self._stepped: Block = self.opened.adapted(self._slave)
         self._given: Floats | None = None
 
-    def _play(self, table: Floats, parameters: Mapping[Element, float]) -> Floats:
-        block, into = self._stepped, self._into
-        block.set([*self.starts, *parameters.items()])
+    def _begun(self, table: Floats, parameters: Mapping[Element, float] | None = None) -> list[Floats]:
+        """Initializes it, and returns its outputs at the start."""
+        block = self._stepped
+        block.set([*self.starts, *(parameters or {}).items()])
         block.enter(self.step * len(table))
         block.set(zip(self._elements, table[0].tolist(), strict=True))
         block.get(self._handed_on)  # as a master does; others need not exist yet
         if self._given is None:
-            self._given = block.wire(self._elements, self._outputs, [len(self._outputs), 0, 0, 0], into)
-        given = self._given
+            self._given = block.wire(self._elements, self._outputs, [len(self._outputs), 0, 0, 0], self._into)
         block.leave()
         block.get_all()
-        rows = [into.copy()]
-        for count, values in enumerate(table[1:]):
+        return [self._into.copy()]
+
+    def _stepped_on(self, table: Floats, first: int) -> list[Floats]:
+        """Makes the steps to the rows from this one on, and returns the outputs at each."""
+        block, into, given, rows = self._stepped, self._into, self._given, []
+        assert given is not None
+        for count, values in enumerate(table[first:], first - 1):
             given[:] = values
+            begun = perf_counter()
             block.set_inputs()
             block.do_step(count * self.step, self.step)
             block.get_all()
+            if self.seconds is not None:
+                self.seconds.append(perf_counter() - begun)
             rows.append(into.copy())
-        return np.array(rows)
+        return rows
 
     def _close(self) -> None:
         if self._slave is not None:

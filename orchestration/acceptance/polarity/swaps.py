@@ -43,7 +43,7 @@ def look(ours: Source, theirs: Source, blocks: Sequence[str]) -> Looked:
     """Proposes and mends mappings of the swapped blocks, as far as that is needed. Raises InputError and BlockError."""
     looked = Looked(theirs)
     for block in blocks:
-        if (text := _proposal(load(looked.source), block)) is not None:
+        if (text := proposal(load(looked.source), block)) is not None:
             looked.proposed[block] = text
             data: Any = parse(text, f"the mapping proposed for {block}").data
             looked.source = looked.source.with_entry(("blocks", block, "map"), data)
@@ -65,7 +65,7 @@ def look(ours: Source, theirs: Source, blocks: Sequence[str]) -> Looked:
     return looked
 
 
-def _proposal(scenario: Scenario, block: str) -> str | None:
+def proposal(scenario: Scenario, block: str) -> str | None:
     """Returns the mapping proposed for a block; None where one is given, or the FMU fits without."""
     entry = scenario.blocks[block]
     if entry.map is not None or entry.interface is None:
