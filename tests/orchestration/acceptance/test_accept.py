@@ -54,7 +54,7 @@ def test_an_opposite_sign_is_named_and_not_accepted(folder: Path):
     Path("wrong.yaml").write_text(wrong, "utf-8")
     result, found = accept("--map", "wrong.yaml")
     assert result.exit_code == 1, result.output
-    one = found["no wrong wiring and no other cause is found"]
+    one = found["no wrong wiring is found"]
     assert one["status"] == "failed"
     assert "by 200 % of ours" in one["text"]
 
