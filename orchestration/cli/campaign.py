@@ -14,7 +14,7 @@ from ..campaign import engine
 from ..campaign.case import Case, read_campaign
 from ..campaign.flying import batches
 from ..campaign.replay import Replayed, replay, worst
-from ..campaign.report.page import metrics_of
+from ..campaign.report.page import metrics_of, write
 from ..campaign.report.plots import Metric
 from ..campaign.sums import read
 from ..errors import InputError
@@ -89,7 +89,7 @@ def command(
     case = read_campaign(file, overrides, settings(sets))
     target = out or Path("results") / case.campaign.name
     if index is not None:
-        ctx.exit(_replay(case, index, target, quiet))
+        ctx.exit(_replay(case, index, target, quiet, open_))
     if not quiet:
         notes(case.notes)
     bar = Progress(case.runs, not quiet, "runs")
@@ -139,7 +139,7 @@ def _status(case: Case, finished: engine.Finished, quiet: bool) -> int:
     return 0 if all(verdict.status == "met" for verdict in finished.verdicts) else EXPECTATION_FAILED
 
 
-def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
+def _replay(case: Case, index: str, target: Path, quiet: bool, open_: bool) -> int:
     """Flies one run again, prints it and writes its folder; the exit status is that of a run."""
     if index != "worst" and not (index.isdecimal() and len(index) <= 10):  # no campaign has more runs
         raise InputError(f"--replay {index:.20}: expected the index of a run, 0 to {case.runs - 1}, or 'worst'")
@@ -157,6 +157,10 @@ def _replay(case: Case, index: str, target: Path, quiet: bool) -> int:
     save(result, folder)
     if not quiet:
         say(f"\nscenario in {again.file}, results in {folder}")
+    if (target / "campaign.html").exists():
+        write(target)  # whose plots lead to this flight
+    if open_:
+        open_page(folder / "report.html")
     if result.failure is not None:
         complain(str(result.failure))
     if again.differs:

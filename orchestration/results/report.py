@@ -35,7 +35,7 @@ def page(result: RunData, files: Sequence[str] = ()) -> str:
     made = Page(result)
     figures = [figure(result, entry, made) for entry in result.scenario.figures] if len(result.time) else []
     view = made.view(seen.view(result, made.arrays))
-    first = Markup('<div class="first{}">{}</div>\n').format(
+    first = Markup('<h2 class="unseen">Flight</h2>\n<div class="first{}">{}</div>\n').format(
         " both" if view and figures else "", view + joined(figures[:1])
     )
     parts = [
@@ -146,7 +146,7 @@ def _realtime(result: RunData, made: Page) -> Markup:
     panels = [lateness.histogram(pace, made.arrays), lateness.over_time(pace, made.arrays)]
     late = listed((late.text for late in pace.listed), "notes")
     content = [
-        table(("", "p50", "p99", "p99.9", "largest"), lateness.figures(pace)),
+        table(("quantity", "p50", "p99", "p99.9", "largest"), lateness.figures(pace)),
         listed(lateness.facts(pace)),
         Markup("<h3>Late steps</h3>\n") + late if late else late,
         made.figure("Lateness of the base steps", panels, kind="n2"),

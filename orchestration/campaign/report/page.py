@@ -65,7 +65,15 @@ def page(folder: Path) -> str:
             part("expectations", rows("expectations", _expectations(runs))),
         ]
     parts.append(manifest_fold("campaign.json", "the campaign as resolved, FMUs, versions, platform", manifest))
-    return made.html(f"{manifest['campaign']}: {outcome(manifest)[1]}", parts)
+    more = {"flights": _flights(folder, manifest), "replay": _replay(manifest, "RUN --open")}
+    return made.html(f"{manifest['campaign']}: {outcome(manifest)[1]}", parts, more=more)
+
+
+def _flights(folder: Path, manifest: dict[str, Any]) -> dict[str, str]:
+    """Returns the reports of runs that were kept or flown again, by the index of the run."""
+    found = {str(run): f"kept/{run}/report.html" for run in manifest.get("kept") or ()}
+    again = folder.glob("replay-*/report.html")
+    return found | {path.parent.name.removeprefix("replay-"): f"{path.parent.name}/report.html" for path in again}
 
 
 def metrics_of(runs: Rows) -> list[Metric]:

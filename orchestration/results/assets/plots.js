@@ -154,7 +154,11 @@ const timeline = {
     over.addEventListener("dblclick", () => whole(u));
     let pressed = 0;
     over.addEventListener("pointerdown", (event) => { pressed = event.clientX; });
-    over.addEventListener("click", (event) => { if (u.linked && Math.abs(event.clientX - pressed) < 4) timeline.go(at(event)); });
+    over.addEventListener("click", (event) => {
+      if (Math.abs(event.clientX - pressed) > 3) return;
+      if (u.linked) timeline.go(at(event));
+      else visit(u, plot);
+    });
     over.tabIndex = 0;
     over.setAttribute("role", "application");
     over.setAttribute("aria-label", `${plot.label} over ${plot.xlabel || "time"}: arrow keys move the cursor, with Shift the plot, + and - zoom, 0 shows all`);
@@ -166,10 +170,20 @@ const timeline = {
       else if (way) point(u, Math.min(max, Math.max(min, now + way * step)));
       else if (event.key === "+") scaled(u, 0.8, now);
       else if (event.key === "-") scaled(u, 1.25, now);
+      else if (event.key === "Enter" && plot.runs) visit(u, plot);
       else if (event.key === "0" || event.key === "Escape") whole(u);
       else return;
       event.preventDefault();
     });
+  }
+
+  function visit(u, plot) { // the run of a campaign under the cursor as a flight, or how to have it
+    if (!plot.runs || u.cursor.idx == null) return;
+    const run = array(plot.runs)[u.cursor.idx], flight = page.flights?.[run];
+    if (flight) { location.assign(flight); return; }
+    u.told ||= u.root.parentElement.appendChild(Object.assign(document.createElement("p"), { className: "hint" }));
+    u.told.setAttribute("role", "status");
+    u.told.textContent = `Run ${run} as a flight: ${page.replay.replace("RUN", run)}`;
   }
 
   function theme() {

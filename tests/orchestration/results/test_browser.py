@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from pathlib import Path
 
@@ -250,3 +251,18 @@ def test_a_view_whose_context_the_browser_takes_away_is_drawn_again(chromium, mo
     report.until("window.lost !== document.querySelector('[data-part=canvas]')")
     report.settle()
     assert abs(report.page.evaluate(lit) - before) < 0.1 * before
+
+
+def test_headings_go_down_by_one_and_what_scrolls_can_be_reached_by_keys(tab):
+    tab.page.evaluate("document.querySelectorAll('details').forEach((it) => { it.open = true; })")
+    levels = tab.page.evaluate("[...document.querySelectorAll('h1, h2, h3, h4')].map((it) => Number(it.tagName[1]))")
+    assert levels[0] == 1
+    assert all(after <= before + 1 for before, after in itertools.pairwise(levels))
+    assert (
+        tab.page.evaluate(
+            "[...document.querySelectorAll('pre, .scroll')].filter((it) => it.tabIndex < 0"
+            " && it.scrollWidth > it.clientWidth).length"
+        )
+        == 0
+    )
+    assert tab.page.evaluate("[...document.querySelectorAll('th')].filter((it) => !it.textContent.trim()).length") == 0

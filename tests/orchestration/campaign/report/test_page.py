@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -179,6 +180,10 @@ def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Tab, folder):
         rows.numbers("plant.Q0.q0")[run], rel=1e-3
     )
     assert float(told[1]) == pytest.approx(rows.numbers("settle")[run], rel=1e-3)
+    chromium.page.mouse.click(x + w / 2, y + h / 2)
+    how = chromium.page.text_content(f".plot >> nth={plot} >> [role=status]") or ""
+    assert how.startswith(f"Run {run} as a flight: orchestrate campaign ")
+    assert how.endswith(f" --replay {run} --open")
     swatches = (
         "[...document.querySelectorAll('.plot')[0].querySelectorAll('.u-marker')].map(m => "
         "getComputedStyle(m).background)"
@@ -196,6 +201,24 @@ def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Tab, folder):
     assert chromium.page.evaluate("document.documentElement.scrollWidth") <= 390
     assert chromium.complaints == []
     assert chromium.foreign == []
+
+
+@pytest.mark.isolate
+def test_a_click_on_a_run_that_was_flown_again_opens_its_flight(chromium: Tab, folder, tmp_path):
+    place = shutil.copytree(folder, tmp_path / "campaign")
+    for run in Rows(place).index.tolist():
+        (place / f"replay-{run}").mkdir()
+        (place / f"replay-{run}" / "report.html").write_text("<!doctype html><title>flight</title>", "utf-8")
+    chromium.open(report.write(place))
+    assert pixels(chromium, "#0072b2", 6) > 500
+    x, y, w, h = box(chromium, ".plot >> nth=6 >> .u-over")
+    chromium.page.mouse.move(x + w / 2, y + h / 2)
+    chromium.settle()
+    run = re.search(r"run (\d+)$", values(chromium, 6)[0])
+    assert run
+    chromium.page.mouse.click(x + w / 2, y + h / 2)
+    chromium.page.wait_for_url(f"**/replay-{run[1]}/report.html")
+    assert chromium.page.title() == "flight"
 
 
 def test_the_console_shows_the_verdicts_in_80_columns(folder, capsys, monkeypatch):
