@@ -148,8 +148,8 @@ def command(
 ) -> None:
     """Fly laws in Python on the same tumbles and write a table.
 
-    Beside them fly what stands in the scenario itself, B-dot, quaternion feedback (pd) and a linear-quadratic regulator
-    (lqr), unless --alone is given.
+    Beside them fly what stands in the scenario itself, B-dot, quaternion feedback (pd), a linear-quadratic regulator
+    (lqr) and the paper's law with gains for the satellite (paper), unless --alone is given.
     """
     source = read(scenario)
     if not isinstance(source.data, dict) or place not in source.data.get("blocks", {}):
@@ -162,7 +162,7 @@ def command(
         source = source.with_value("duration", duration, "--duration")
     flown: dict[str, Path | None] = {law.stem: law for law in laws}
     if not alone:
-        flown |= {OWN: None, **{name: LAWS / f"{name}.py" for name in ("bdot", "pd", "lqr")}}
+        flown |= {OWN: None, **{name: LAWS / f"{name}.py" for name in ("bdot", "pd", "lqr", "paper")}}
     rows = ranked(source, flown, tumbles(runs, math.radians(rate), seed), math.radians(below), place)
     say_table(
         ("law", "settled", "median, s", "worst, s", "rms after, deg", "largest after, deg", "wheel, N.m.s"),

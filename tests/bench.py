@@ -111,6 +111,36 @@ def versions(runs: int) -> None:
             row(name, f"{three:.3f} s", f"{100 * (three / two - 1):+.1f} %")
 
 
+LAW = """
+import numpy as np
+
+
+def step(inputs, parameters, t, h):
+    R, w, r, v, J = inputs.R_NB, inputs.omega_B, inputs.r_N, inputs.v_N, parameters.J_B
+    z, x = R.T @ (r / np.sqrt(r @ r)), R.T @ (v / np.sqrt(v @ v))  # 8
+    e = np.array([z[1], -z[0], 0.0]) - np.array([0.0, x[2], x[1]])  # 11
+    momentum = J @ w  # 12
+    turned = np.array([w[1] * momentum[2], w[2] * momentum[0], w[0] * momentum[1]])  # 13
+    tau = turned - 1e-4 * e - 0.02 * (J @ w) - 1e-3 * w  # 20
+    return {"tau_cmd_B": np.clip(tau, -1.0, 1.0)}
+"""
+"""Of twenty operations of NumPy and a clip; np.cross would count as ten."""
+
+
+def laws(runs: int) -> None:
+    """V.B with a law in Python in the controller's place, asked at each step: in this process and in its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "law.py")
+        path.write_text(LAW, "utf-8")
+        for where in ("none", "process"):
+            data = orbit("native", 4, 20)
+            data["blocks"]["controller"] = {"python": str(path), "isolation": where}
+            data["shared"] = {**data.get("shared", {}), "J_B": {"diagonal": [0.0426, 0.0608, 0.0618]}}
+            rates = [(result := orchestration.run(data)).steps / result.wall for _ in range(runs)]
+            name = "in this process" if where == "none" else "in its own process"
+            row(f"loop with a law of 20 NumPy operations, {name}", "", f"{max(rates):,.0f} steps/s")
+
+
 def calls(flavour: str, count: int) -> None:
     """What each FMU's doStep costs, called in a row without exchange."""
     from fmpy import extract, read_model_description
@@ -216,6 +246,7 @@ def main() -> None:
     machine(runs)
     loops(runs)
     again(runs)
+    laws(runs)
     versions(runs)
     calls("native", 20000)
     calls("python", 2000)

@@ -21,6 +21,7 @@ from ..fmu.interfaces import is_path
 from ..fmu.model import Element
 from ..instances.block import Block
 from ..instances.law import refuse_missing
+from ..instances.own_parameters import with_own
 from ..paths import located
 from ..scenario.load import load
 from ..scenario.scenario import Scenario
@@ -133,6 +134,7 @@ def _law(scenario: Scenario, name: str, text: str) -> Fmu:
             remedy = f"remedy: 'interface: NAME' beside it, one of {', '.join(BLOCKS)}"
             raise InputError(f"the project has no interface {kind!r}; {remedy}")
         own = open_fmu(locate(kind, scenario.source.folder, "native"))
+        own = replace(own, model=with_own(own.model, path))
     return replace(own, path=path, sha256=hashlib.sha256(path.read_bytes()).hexdigest())
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from design import rank
-from design.laws import bdot, lqr, pd
+from design.laws import bdot, lqr, paper, pd
 from tests.commands import orchestrate
 
 SCENARIO = "scenarios/flight_tumble.yaml"
@@ -44,6 +44,21 @@ def test_at_the_reference_no_torque_is_asked_for_and_a_turn_is_opposed(law):
     assert np.abs(tau[1:]).max() < abs(tau[0])
 
 
+def test_the_papers_law_has_the_stiffness_and_damping_that_it_says():
+    """tau = -w^2 J zeta - 2 w J omega of small errors, beside gravity gradient and gyroscopic torque."""
+    p = SimpleNamespace(**vars(P), **paper.PARAMETERS)
+    w = 0.1 * np.sqrt(0.3 * 4.4e-5 / (np.trace(J) / 3.0))
+    small = np.array([1e-5, -2e-5, 1.5e-5])
+    turn = np.eye(3) + np.cross(np.eye(3), small) * -1.0
+    still, turned = (paper.step(seen(R_NB=seen().R_NB @ Q), p, 0.0, 0.5)["tau_cmd_B"] for Q in (np.eye(3), turn))
+    n2 = (7500.0 / 7e6) ** 2  # what moves with the attitude of gravity gradient and gyroscopic torque is of this size
+    assert turned - still == pytest.approx(-w * w * J @ small, abs=10.0 * n2 * 0.042 * 2e-5)
+    faster = paper.step(seen(omega_B=seen().omega_B + small), p, 0.0, 0.5)["tau_cmd_B"]
+    assert faster - still == pytest.approx(-2.0 * w * J @ small, rel=1e-6)
+    tau = paper.step(seen(R_NB=np.zeros((3, 3)), omega_B=small), p, 0.0, 0.5)["tau_cmd_B"]
+    assert tau == pytest.approx(-2.0 * w * J @ small, rel=1e-12)
+
+
 def test_b_dot_takes_the_rate_across_the_field_away_as_its_gain_says():
     """m x b = -k (omega - b (b.omega)/|b|^2), with k = 2 n (1 + sin i) J_min of an orbit over the pole."""
     omega = np.array([1e-4, -2e-4, 1e-4])
@@ -75,7 +90,7 @@ def test_the_command_flies_all_and_writes_the_table(tmp_path):
     result = orchestrate("rank", law, *arguments)
     assert result.exit_code == 0, result.stderr
     rows = {row["law"]: row for row in csv.DictReader(table.open())}
-    assert set(rows) == {"still", rank.OWN, "bdot", "pd", "lqr"}
+    assert set(rows) == {"still", rank.OWN, "bdot", "pd", "lqr", "paper"}
     assert all((row["settled"], row["runs"], float(row["median"])) == ("2", "2", 0.0) for row in rows.values())
     largest = {float(row["largest"]) for row in rows.values()}
     assert len(largest) > 1

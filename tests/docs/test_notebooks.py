@@ -5,6 +5,7 @@ import ast
 from pathlib import Path
 
 import nbformat
+import numpy as np
 import pytest
 
 NOTEBOOKS = sorted(Path("docs/use/notebooks").glob("*.ipynb"))
@@ -31,11 +32,16 @@ def test_every_cell_of_a_notebook_runs_and_what_it_shows_is_right(path):
         assert len(names["points"]) == 4
         assert names["fits"] is True
         assert {difference.largest for difference in names["comparison"].differences} == {0.0}
+    elif path.stem == "own_law":
+        J = np.diag([0.0426, 0.0608, 0.0618])
+        assert names["law"] == pytest.approx(-0.05 * names["result"]["plant.omega_B"] @ J)
+        slow, middle, quick = names["damped"].values()
+        assert slow > middle > quick
     else:
         assert min(value for value in values if isinstance(value, float)) < 1e-12
 
 
-def test_the_notebooks_are_three_and_the_page_lists_them():
+def test_the_notebooks_are_four_and_the_page_lists_them():
     page = Path("docs/use/notebooks.md").read_text("utf-8")
-    assert [path.stem for path in NOTEBOOKS] == ["first_run", "formats", "sweep_and_checks"]
+    assert [path.stem for path in NOTEBOOKS] == ["first_run", "formats", "own_law", "sweep_and_checks"]
     assert all(f"(notebooks/{path.name})" in page for path in NOTEBOOKS)
