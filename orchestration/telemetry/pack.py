@@ -30,7 +30,7 @@ def packed(scenario: Scenario, name: str, entry: Telemetry) -> Path:
         if path.is_dir():
             raise InputError(f"{entry.file} is a folder; expected a file")
         if not path.is_file():
-            raise InputError(f"there is no file {entry.file}")
+            raise InputError(f"{entry.file} is no regular file" if path.exists() else f"there is no file {entry.file}")
     with scenario.source.naming(key):
         return fmu_of(entry, path)
 
@@ -81,7 +81,8 @@ def notes_of(fmu: Path, file: str) -> list[str]:
 
 
 def _about(description: str, name: str, columns: list[str]) -> str:
-    return f"{description or name}, of {', '.join(columns)}"
+    about = f"{description or name}, of {', '.join(columns)}"
+    return "".join(c if c.isprintable() else " " for c in about)  # XML has no control characters
 
 
 def _prune(folder: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from operator import itemgetter
@@ -18,6 +18,8 @@ from ..errors import InputError, Place, Problem, hint, reason
 
 BLOCK = 50_000
 """Rows at a time."""
+LISTED = (".csv", ".dat", ".log", ".parquet", ".tsv", ".txt")
+"""Files that a message may show the columns of; another one may hold what is nobody's business."""
 _UNIT = re.compile(r"(.*\S)\s*[\[(](.+)[\])]\s*", re.DOTALL)
 
 
@@ -50,7 +52,8 @@ class Header:
     def place(self, name: str) -> int:
         """Raises InputError where there is no such column, or more than one."""
         if name not in self.places:
-            text = f"there is no column {name!r}{hint(name, self.places)}"
+            known = Path(self.file).suffix.lower() in LISTED
+            text = f"there is no column {name!r}{hint(name, self.places) if known else ''}"
             raise InputError(Problem(text, place=Place(self.file, self.line)))
         if name in self.twice:
             raise InputError(Problem(f"several columns are called {name!r}", place=Place(self.file, self.line, name)))
@@ -76,14 +79,19 @@ def header_of(path: Path, shown: str) -> Header:
         if path.suffix == ".parquet":
             return Header.of(shown, 0, [str(name) for name in _parquet(path).schema_arrow.names])
         with path.open(newline="", encoding="utf-8-sig") as file:
-            for cells in (reader := csv.reader(file)):
-                if cells and not cells[0].startswith("#"):
+            for cells in (reader := _reader(file)):
+                if cells:
                     return Header.of(shown, reader.line_num, cells)
     except OSError as error:
         raise InputError(f"{shown} cannot be read: {reason(error)}") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{shown} is no CSV file in UTF-8: {error}") from None
     raise InputError(f"{shown}: expected a header and rows, found nothing")
+
+
+def _reader(file: Iterable[str]) -> Any:
+    """Returns a reader of the rows, to which a comment is an empty line: a quote in it begins no cell."""
+    return csv.reader("\n" if line.startswith("#") else line for line in file)
 
 
 def blocks(path: Path, header: Header, names: Sequence[str]) -> Iterator[Block]:
@@ -95,8 +103,8 @@ def blocks(path: Path, header: Header, names: Sequence[str]) -> Iterator[Block]:
 def _of_csv(path: Path, header: Header, places: list[int]) -> Iterator[Block]:
     pick = itemgetter(*places, places[0])  # one more, so that it is always a tuple
     with path.open(newline="", encoding="utf-8-sig") as file:
-        reader = csv.reader(file)
-        numbered = ((reader.line_num, row) for row in reader if row and not row[0].startswith("#"))
+        reader = _reader(file)
+        numbered = ((reader.line_num, row) for row in reader if row)
         next(numbered)
         try:
             while some := list(islice(numbered, BLOCK)):

@@ -30,6 +30,13 @@ def column(result, name):
     return result.samples[:, result.labels.index(f"log.{name}")].tolist()
 
 
+def test_control_characters_of_a_description_or_a_header_make_no_damaged_fmu(scenario, tmp_path):
+    (tmp_path / "log.csv").write_text("t,\x1b[31mx,y\n0,1,2\n5,3,4\n", "utf-8")
+    columns = {"w": {"of": ["\x1b[31mx", "y"], "unit": "deg/s", "description": "a\x07bell"}}
+    scenario["blocks"]["log"]["telemetry"] |= {"columns": columns}
+    assert column(run(scenario), "w[1]")[-1] == 3
+
+
 def test_a_sample_is_valid_in_the_step_that_brings_it_and_is_held(scenario):
     result = run(scenario)
     assert column(result, "w[1]") == [1, 1, 3, 3, 3, 5, 5, 5, 7, 7, 7]

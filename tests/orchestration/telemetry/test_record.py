@@ -43,6 +43,19 @@ def test_what_is_beyond_the_largest_number_is_missing(tmp_path):
     assert record.seen.missing == {"w": 2}
 
 
+def test_a_quote_in_a_comment_hides_no_row_and_lines_keep_their_numbers(tmp_path):
+    text = '#a,"b\nt,x,y\n0,1,2\n# of the second pass,"\n1,3,4\n#,"c"\n2,five,6\n'
+    assert "log.csv:7: x: expected a number, found 'five'" in refused(tmp_path, text)
+    np.testing.assert_array_equal(read(tmp_path, text.replace("five", "5"))[1], [[0, 1, 2], [1, 3, 4], [2, 5, 6]])
+
+
+@pytest.mark.parametrize(("name", "shown"), [("log.csv", True), ("passwd", False), ("id.key", False)])
+def test_columns_are_listed_of_files_of_data_alone(tmp_path, name, shown):
+    told = refused(tmp_path, "root:x:0:0,secret\n1,2\n", name=name)
+    assert f"{name}:1: there is no column 'x'" in told
+    assert ("secret" in told) == shown
+
+
 def test_a_start_after_the_last_row_is_refused(tmp_path):
     rows = "t,x,y\n0,1,2\n1,3,4\n"
     assert "log.csv:1: start: expected at or before the last row, found 0.5 s after it" in refused(
