@@ -20,9 +20,10 @@ from ..results.place import refuse_foreign, refuse_other, reserved
 from ..results.result import Result
 from ..session import run as runner
 from ..session.realtime import PRIORITIES, pacer, prioritized
+from ..swap.option import swapped
 from ..swap.own_claims import own_claims
 from ..system.wiring import Node
-from .console import Progress, complain, notes, open_page, say
+from .console import Progress, complain, folded, notes, open_page, say
 from .help import examples
 from .keyboard import KEYS, keyboard
 from .noted import noted
@@ -35,6 +36,8 @@ from .watch import watched
 
 CALLS = "calls"
 """The folder, among the results, of recorded calls."""
+_DIAGNOSIS, _SEARCH = 20.0, 6.0
+"""Seconds after which a failed swap is left without a diagnosis, and those of them for wirings."""
 
 
 @click.command(
@@ -148,6 +151,8 @@ def command(
         tell("a block is swapped, and the run does not pass; what it does otherwise than ours, and the mapping:")
         for line in change.diagnosis(scenario):
             tell(f"  {line}")
+        for line in () if quiet else _diagnosed(scenario, change):
+            say(folded(line))
     if not quiet:
         say(f"\nresults in {target}")
         for block, folder in records.items():
@@ -155,6 +160,22 @@ def command(
     if open_:
         open_page(target / "report.html")
     ctx.exit(status)
+
+
+def _diagnosed(scenario: Path, change: Changes) -> list[str]:
+    """Returns what explains how the one swapped block differs from ours; nothing where that takes too long."""
+    if len(change.blocks) != 1:
+        return []
+    # Here, since a run that passes needs none of it.
+    from ..acceptance.polarity.apart import within  # noqa: PLC0415
+    from ..acceptance.polarity.mend import as_yaml, in_words, mend  # noqa: PLC0415
+
+    source = change.unswapped(scenario)
+    mended = within(_DIAGNOSIS, mend, source, swapped(source, change.given), change.blocks[0], _SEARCH)
+    if mended is None:
+        return []
+    lines = in_words(mended)
+    return [*lines, "the mapping that corrects it:", *as_yaml(mended.mapping).splitlines()] if mended.behaves else lines
 
 
 def _status(result: Result, quiet: bool) -> int:

@@ -5,12 +5,17 @@ Tests: tests/orchestration/acceptance/test_polarity.py.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from typing import ParamSpec, TypeVar
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import Any, ParamSpec, TypeVar, cast
 
-from ...errors import BlockError
+from ...errors import BlockError, InputError
 from ...fmu.interfaces import is_path
 from ...scenario.source import Source
 from .fly import Found, Loop
@@ -26,6 +31,34 @@ def apart(block: str, task: Callable[P, T], *args: P.args, **named: P.kwargs) ->
             return pool.submit(task, *args, **named).result()
     except BrokenProcessPool:
         raise BlockError(block, "a run alone", "ended the process in which it ran; the FMU has crashed") from None
+
+
+def within(seconds: float, task: Callable[P, T], *args: P.args, **named: P.kwargs) -> T | None:
+    """Returns what a task gives in a process of its own; None where it fails, or takes longer: then it is ended with
+    all that it has started."""
+    source, into = multiprocessing.Pipe(duplex=False)
+    process = multiprocessing.Process(target=_send, args=(into, task, args, named))
+    process.start()
+    into.close()
+    try:
+        return cast(T, source.recv()) if source.poll(seconds) else None
+    except EOFError:
+        return None
+    finally:
+        if process.is_alive() and process.pid is not None and hasattr(os, "killpg"):
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(process.pid, signal.SIGKILL)
+        process.kill()
+        process.join()
+
+
+def _send(into: Connection, task: Callable[..., Any], args: Sequence[Any], named: Mapping[str, Any]) -> None:
+    if hasattr(os, "setsid"):
+        os.setsid()
+    result = None
+    with suppress(BlockError, InputError, ValueError):
+        result = task(*args, **named)
+    into.send(result)
 
 
 def flown(source: Source) -> tuple[Found | None, BlockError | None]:

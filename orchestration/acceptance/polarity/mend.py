@@ -24,7 +24,7 @@ from .causes import Cause
 from .fly import Found, Loop
 from .identify import SAME
 from .ports import Port
-from .search import SMALL, identify
+from .search import SECONDS, SMALL, identify
 from .wrongs import USUAL, Wrong, left_handed, wrongs
 
 _FACTOR = 1e-6
@@ -59,9 +59,12 @@ class Mended:
         return bool(self.behaves or self.causes)
 
 
-def mend(ours: Source, theirs: Source, block: str) -> Mended:
-    """Looks for the mapping of a swapped block under which it does what ours does. Raises InputError and BlockError."""
-    found = apart(block, identify, ours, inside(theirs), block)
+def mend(ours: Source, theirs: Source, block: str, seconds: float = SECONDS) -> Mended:
+    """Looks for the mapping of a swapped block under which it does what ours does; for wirings so many seconds.
+
+    Raises InputError and BlockError.
+    """
+    found = apart(block, identify, ours, inside(theirs), block, seconds)
     loop = Loop(theirs)
     fit = loop.opened.prepared.fits[block]
     present = fit.mapping or PortMapping()

@@ -74,15 +74,18 @@ class Identified:
 class Search(Identifier):
     """Looks for what explains the difference."""
 
-    def search(self) -> Identified:
-        """Looks at wirings: none, one of each input, one turn of all, pairs; then at what they leave."""
+    def search(self, seconds: float = SECONDS) -> Identified:
+        """Looks at wirings: none, one of each input, one turn of all, pairs; then at what they leave.
+
+        The search of wirings ends after `seconds`.
+        """
         theirs = self.theirs_on(self.whole)
         if self.given is None or theirs is None:
             return Identified(self.base, {}, np.inf, np.inf, self.ports)
         before, first = self._as_wired(theirs)
         if before <= SAME:
             return Identified({}, {}, before, before, self.ports)
-        ends, complete = monotonic() + SECONDS, True
+        ends, complete = monotonic() + seconds, True
         singles = [{name: w} for name in self.inputs if name not in self.base for w in self.candidates(name)]
         tried = self._ranked([{}, *singles, *self.common()], INSTANTS)
         best = self._explained(tried, theirs, before, first)
@@ -257,7 +260,7 @@ def open_search(ours: Source, theirs: Source, block: str, stack: ExitStack) -> S
     return Search(Loop(ours), Loop(theirs), block, stack)
 
 
-def identify(ours: Source, theirs: Source, block: str) -> Identified:
+def identify(ours: Source, theirs: Source, block: str, seconds: float = SECONDS) -> Identified:
     """Returns what explains how the block of the second scenario differs from ours. Raises InputError."""
     with ExitStack() as stack:
-        return open_search(ours, theirs, block, stack).search()
+        return open_search(ours, theirs, block, stack).search(seconds)
