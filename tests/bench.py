@@ -24,7 +24,7 @@ import numpy as np
 import orchestration
 from orchestration.session.open import locate
 
-from . import bench_campaign
+from . import bench_campaign, bench_pages
 
 ROOT = Path(__file__).parents[1]
 SCENARIO = ROOT / "scenarios" / "paper_no_singularity.yaml"
@@ -248,6 +248,7 @@ def main() -> None:
     again(runs)
     laws(runs)
     versions(runs)
+    bench_pages.pages(runs, row)
     calls("native", 20000)
     calls("python", 2000)
     process(runs)

@@ -120,6 +120,25 @@ def test_five_sets_of_parameters_have_the_hash_of_the_native_run(page, folder):
 
 
 @pytest.mark.thorough
+def test_twenty_random_settings_have_the_hash_and_verdicts_of_the_native_run(page, folder):
+    drawn, controls_ = np.random.default_rng(1), page.page.locator("[data-control]").all()
+    ends = [[float(it.get_attribute(name) or 0) for name in ("min", "max")] for it in controls_]
+    seen = set()
+    for _ in range(20):
+        page.page.click("#reset")
+        move(page, {i: float(drawn.uniform(*ends[i])) for i in drawn.permutation(len(ends))[: drawn.integers(1, 4)]})
+        for fault in np.flatnonzero(drawn.random(3) < 0.3):
+            page.page.fill(f"[data-at='{fault}']", f"{drawn.uniform(0.0, 380.0):.1f}")
+            page.page.press(f"[data-at='{fault}']", "Enter")
+        said, result = flown(page), run(saved(page, folder))
+        assert said["hash"] == result.sha256
+        found = [(each["status"], each["value"], each["time"]) for each in json.loads(said["verdicts"])]
+        assert found == native(result.outcomes)
+        seen.add(said["hash"])
+    assert len(seen) == 20
+
+
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", sorted(path.stem for path in (ROOT / "scenarios").glob("*.yaml")))
 def test_every_scenario_flies_in_its_page_to_the_native_bits_and_verdicts(elsewhere, folder, name):
     scenario, target = folder / "scenarios" / f"{name}.yaml", folder / f"{name}.html"

@@ -1,0 +1,66 @@
+"""Live pages in Chromium with software drawing, for `make bench`: until it moves, a flight anew, frames and memory."""
+
+from __future__ import annotations
+
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from orchestration.live.page import page
+from orchestration.live.system import prepare
+from orchestration.session.read import load
+from orchestration.session.run import whole
+
+from .orchestration.results.browser import Tab, executable, launched
+
+ROOT = Path(__file__).parents[1]
+SCENARIOS = "paper_no_singularity", "flight_tumble"
+_MOVES = "Number(document.querySelector('[data-part=slider]').value) > 0"
+_FRAMES = "Number(document.querySelector('.view').dataset.frames)"
+_STATE = "document.documentElement.dataset"
+_SECONDS = 5
+
+
+def pages(runs: int, row: Callable[[str, str, str], None]) -> None:
+    """Prints a row for each figure of the live pages."""
+    path = executable()
+    if path is None:
+        row("live pages", "", "no Chromium here")
+        return
+    with tempfile.TemporaryDirectory() as folder, launched(path) as tab:
+        for name in SCENARIOS:
+            live = prepare(load(ROOT / "scenarios" / f"{name}.yaml"))
+            file = Path(folder, f"{name}.html")
+            file.write_text(page(live, whole(live.scenario)), "utf-8")
+            _page(name, file, tab, runs, row)
+
+
+def _page(name: str, file: Path, tab: Tab, runs: int, row: Callable[[str, str, str], None]) -> None:
+    begun = time.perf_counter()
+    tab.page.set_viewport_size({"width": 1400, "height": 900})
+    tab.page.goto(file.as_uri())
+    tab.until(_MOVES)
+    row(
+        f"page of {name}: first motion",
+        f"{1e3 * (time.perf_counter() - begun):.0f} ms",
+        f"{file.stat().st_size / 1e6:.2f} MB",
+    )
+    tab.until(f"{_STATE}.state === 'shown'", 120)
+    before, begun = tab.page.evaluate(_FRAMES), time.perf_counter()
+    time.sleep(_SECONDS)
+    frames = (tab.page.evaluate(_FRAMES) - before) / (time.perf_counter() - begun)
+    tab.page.click("[data-part=play]")
+    flights = []
+    for i in range(runs + 2):  # the first ones are not compiled for speed yet
+        tab.page.evaluate(
+            "((v) => { const it = document.querySelector('[data-control=\"0\"]'); it.value = v;"
+            f" it.dispatchEvent(new Event('input')); }})({20 + i})"
+        )
+        tab.until(f"{_STATE}.state === 'shown'", 120)
+        flights.append(float(tab.page.evaluate(f"{_STATE}.ms")))
+    heap = tab.page.evaluate("performance.memory.usedJSHeapSize") / 1e6
+    memory = float(tab.page.evaluate(f"{_STATE}.memory")) / 1e6
+    row(f"page of {name}: flight anew", f"{statistics.median(flights[2:]):.0f} ms", f"{frames:.0f} frames/s")
+    row(f"page of {name}: heap, and the module's memory", f"{heap:.0f} MB", f"{memory:.0f} MB")
