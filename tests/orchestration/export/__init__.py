@@ -1,0 +1,1 @@
+"""Tests of what the exports of a scenario are made of."""

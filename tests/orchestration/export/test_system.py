@@ -1,0 +1,92 @@
+"""What other tools are given of a loop of two small FMUs: wires, values at t = 0, free ports, and changes in time."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+import orchestration
+from orchestration.errors import InputError
+from orchestration.export.changes import _of_value
+from orchestration.export.container import _description
+from orchestration.export.system import Component, System, flat
+from orchestration.system.faults import Setting
+from tests.orchestration import fmus
+
+
+@pytest.fixture
+def millivolts(loop):
+    """The loop with a motor in mV, at the speed 1.5 rad/s: the regulator gives -1.5 V at t = 0."""
+    text = fmus.description("motor").replace(
+        'valueReference="2" causality="input"><Real unit="V"', 'valueReference="2" causality="input"><Real unit="mV"'
+    )
+    assert 'unit="mV"' in text
+    fmus.write(loop.with_name("motor.fmu"), text, fmus.library())
+    return loop
+
+
+def of(loop: Any, **changes: Any) -> tuple[System, Component, Component]:
+    system = flat(orchestration.load(loop, changes))
+    motor, regulator = (next(c for c in system.components if c.name == name) for name in ("motor", "regulator"))
+    return system, motor, regulator
+
+
+def values(component: Component) -> dict[str, Any]:
+    return {value.name: value.value for value in component.values}
+
+
+def test_a_connected_input_starts_with_what_comes_to_it_in_its_own_unit(millivolts):
+    system, motor, regulator = of(millivolts, **{"motor.speed0": "1.5 rad/s"})
+    first = orchestration.run(millivolts, {"motor.speed0": "1.5 rad/s"})
+    volts = float(first["regulator.voltage"][0])
+    assert volts not in (0.0, 1.0)
+    assert values(motor)["voltage"] == pytest.approx(1000.0 * volts, rel=1e-15)
+    assert values(regulator)["speed"] == 1.5
+    wires = {(wire.source, wire.target): (wire.factor, wire.offset) for wire in system.wires}
+    assert wires == {
+        (("regulator", "voltage"), ("motor", "voltage")): (1000.0, 0.0),
+        (("motor", "speed"), ("regulator", "speed")): (1.0, 0.0),
+    }
+
+
+def test_free_are_all_inputs_and_parameters_to_which_nothing_is_connected(loop):
+    _, motor, regulator = of(loop)
+    assert {port.name for port in motor.free} >= {"inertia", "speed0", "axis[1]", "axis[2]", "mode", "label", "poles"}
+    assert not {port.name for port in motor.free} & {"voltage", "speed", "hot"}
+    assert "speed" not in {port.name for port in regulator.free}
+    assert {port.name for port in motor.ports} == {"voltage", "speed", "steps", "hot"}
+
+
+def test_a_container_is_told_each_link_from_its_source_to_its_target_and_what_stays_free(loop):
+    system, _, _ = of(loop)
+    told = _description(system, "both")
+    assert sorted(told["link"]) == [
+        ["wire.motor.fmu", "speed", "wire.regulator.fmu", "speed"],
+        ["wire.regulator.fmu", "voltage", "wire.motor.fmu", "voltage"],
+    ]
+    assert told["fmu"] == [f"wire.{name}.fmu" for name in system.order]
+    assert ["motor.inertia", "wire.motor.fmu", "inertia"] in told["input"]
+    assert ["wire.motor.fmu", "speed", "motor.speed"] in told["output"]
+    assert len(told["input"]) == sum(len(c.free) for c in system.components)
+    assert told["step_size"] == 0.1
+    assert told["sequential"]
+
+
+def test_a_rate_of_its_own_needs_an_fmu_that_can_keep_it(loop):
+    loop.write_text(loop.read_text().replace("fmu: regulator.fmu\n", "fmu: regulator.fmu\n    every: 2\n"))
+    with pytest.raises(InputError, match=r"regulator\.every: .* its FMU has no parameter sample_period"):
+        flat(orchestration.load(loop))
+    assert flat(orchestration.load(loop), kept=True).delays is None
+
+
+@pytest.mark.parametrize(
+    ("span", "every", "acts"),
+    [((3, 7), 1, (0.3, 0.7)), ((3, 7), 2, (0.4, 0.8)), ((4, 8), 4, (0.4, 0.8)), ((1, math.inf), 5, (0.5, math.inf))],
+)
+def test_a_value_of_a_slow_block_is_set_at_its_next_step_and_set_back_at_the_next_after_its_end(span, every, acts):
+    operation = _of_value(Setting("motor", (), span, "faults[1]"), 2.5, every, Fraction(1, 10))
+    assert (operation.first, operation.until) == acts
+    assert (operation.kind, operation.value, operation.before) == ("replace", 2.5, True)
