@@ -1,4 +1,5 @@
-"""A run whose FMUs of others share its process is waited for: one that ends the process does not end it with status 0.
+"""A run whose FMUs of others, or laws in Python, share its process is waited for: one that ends it does not end the run
+with status 0.
 
 Tests: tests/orchestration/instances/test_surroundings.py, tests/orchestration/results/test_endings.py.
 """
@@ -27,10 +28,11 @@ _WAITED = {getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SI
 
 @contextmanager
 def watched(scenario: Scenario, records: Iterable[Path] = ()) -> Iterator[None]:
-    """Goes on in a process of its own where FMUs of others run in this one; this one waits for it, and says where an
-    FMU has ended it, and completes the records of calls. Only on Linux, and not where the command is called by another
-    program's Python."""
-    guests = any(is_path(entry.fmu) and limits(scenario, name) is None for name, entry in scenario.blocks.items())
+    """Goes on in a process of its own where FMUs of others or laws run in this one; this one waits for it, and says
+    where one has ended it, and completes the records of calls. Only on Linux, and not where the command is called by
+    another program's Python."""
+    blocks = scenario.blocks.items()
+    guests = any((entry.python or is_path(entry.fmu)) and limits(scenario, name) is None for name, entry in blocks)
     if not guests or not hasattr(signal, "sigwaitinfo") or sys.stdout is not sys.__stdout__:
         yield
         return

@@ -18,8 +18,11 @@ import numpy as np
 
 from ..errors import BlockError, InputError
 from ..fmu.model import Element, Floats, Model, Variable
+from .guest import TRACE
 
 SUFFIX = ".py"
+_RAISED = (Exception, SystemExit, GeneratorExit)
+"""What a law may end with; it is the block's error, and no end of the run but by its status."""
 
 
 class Law:
@@ -39,6 +42,8 @@ class Law:
             self._code = compile(path.read_text("utf-8"), str(path), "exec")
         except OSError as error:
             raise BlockError(name, "reading the law", f"{path}: {error.strerror}") from None
+        except UnicodeDecodeError as error:
+            raise BlockError(name, "reading the law", f"{path}: expected text in UTF-8, found {error.reason}") from None
         except (SyntaxError, ValueError) as error:
             line = getattr(error, "lineno", None)
             raise BlockError(name, "reading the law", f"{path}:{line or 1}: {error.args[0]}") from None
@@ -74,16 +79,21 @@ class Law:
         return law.step, law
 
     def _guarded(self, call: str, work: Callable[[], Any]) -> Any:
+        TRACE.at(self.name, call)
         try:
             return work()
-        except Exception as error:
+        except _RAISED as error:
             raise self._told(call, error) from None
 
     def _told(self, call: str, error: BaseException) -> BlockError:
         """The error with the line of the law's own file at which it was raised."""
         frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(self._path)]
         where = f"{self._path}:{frames[-1].lineno}: " if frames else f"{self._path}: "
-        return BlockError(self.name, call, f"{where}{type(error).__name__}: {error}")
+        try:
+            text = str(error)
+        except Exception:  # of a class of the law's own
+            text = "an error without text"
+        return BlockError(self.name, call, f"{where}{type(error).__name__}: {text}")
 
     # ------------------------------------------------------------ values
 
@@ -97,6 +107,7 @@ class Law:
             step = self._step
             if self._law is not None:
                 step = self._guarded("copying the law", lambda: copy.deepcopy(self._law)).step
+            TRACE.at(self.name, "step in initialization")
             self._given = self._outputs(step, self._namespace("input"), 0.0, 0.0)
         return [float(self._value(element)) for element in elements]
 
@@ -123,7 +134,7 @@ class Law:
             self._parameters = self._namespace("parameter")
         try:
             given = step(inputs, self._parameters, t, h)
-        except Exception as error:
+        except _RAISED as error:
             raise self._told("step", error) from None
         if not isinstance(given, Mapping):
             raise self._refused(f"expected a mapping such as {{'tau_cmd_B': [...]}}, found {type(given).__name__}")
@@ -135,7 +146,7 @@ class Law:
                 raise self._refused(f"there is no output {name!r}; expected some of {known}")
             try:
                 array = np.asarray(value, np.float64)
-            except (TypeError, ValueError):
+            except (TypeError, ValueError, OverflowError):
                 raise self._refused(f"{name}: expected {variable.kind}, found {value!r}") from None
             if array.shape != variable.shape:
                 raise self._refused(f"{name}: expected {variable.kind}, found one of shape {list(array.shape)}")
@@ -155,6 +166,7 @@ class Law:
         """Nothing: the law begins at the end of initialization."""
 
     def leave(self) -> None:
+        TRACE.at(self.name, "step")
         self._given = self._outputs(self._step, self._namespace("input"), 0.0, 0.0)
         self._running = True
 

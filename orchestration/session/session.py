@@ -83,7 +83,7 @@ class Session:
         circuit = circuit or self.opened.plan.circuit
         recording = self._ready(circuit, columns, nodes, around).run(starts, observers, options)
         if self._around is not None:
-            guests = [name for name, block in self._instances.items() if isinstance(block, Guest)]
+            guests = [name for name, block in self._instances.items() if isinstance(block, (Guest, Law))]
             self._around.look(" or ".join(guests), "the run")
         if recording.failure is not None or recording.interrupted or not self._resets:
             recording.closing = self.close()  # FMI allows little after a failure
@@ -165,6 +165,7 @@ class Session:
                 elif not own:
                     fmu.extract(work / name)
                 if law and bound is None:
+                    self._around = self._around or Surroundings(self.notes)
                     instances[name] = Law(name, fmu.model, fmu.path)
                 elif bound is None:
                     instances[name] = (

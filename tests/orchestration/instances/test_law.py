@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +18,8 @@ from orchestration.fmu.model import Element
 from orchestration.instances.law import Law
 from tests.orchestration.mocks import model, real
 
-SCENARIO = Path(__file__).parents[3] / "scenarios" / "paper_no_singularity.yaml"
+ROOT = Path(__file__).parents[3]
+SCENARIO = ROOT / "scenarios" / "paper_no_singularity.yaml"
 DAMPING = """
 def step(inputs, parameters, t, h):
     return {"tau_cmd_B": -0.02 * parameters.J_B @ inputs.omega_B}
@@ -79,6 +83,13 @@ def test_a_class_remembers_from_step_to_step_and_starts_anew(tmp_path):
         ("def step(inputs, parameters, t, h):\n    return 1 / 0\n", "law.py:2: ZeroDivisionError: division by zero"),
         ("def step(inputs, parameters, t, h):\n    return inputs.omega\n", "law.py:2: AttributeError: "),
         ("def step(:\n", "law.py:1: invalid syntax"),
+        ("def step(*_):\n    raise SystemExit(0)\n", "law.py:2: SystemExit: 0"),
+        ("def step(*_):\n    return {'y': 10**400}\n", "y: expected a real, found 1000"),
+        (
+            "class E(Exception):\n    def __str__(self):\n        1 / 0\n\ndef step(*_):\n    raise E\n",
+            "law.py:6: E: an error without text",
+        ),
+        ("def step(*_):\n    raise GeneratorExit\n", "law.py:2: GeneratorExit: "),
         ("x = 1\n", "law.py: expected a function step(inputs, parameters, t, h) or one class with it, found neither"),
         ("def step(*_):\n    return 3\n", "expected a mapping such as {'tau_cmd_B': [...]}, found int"),
         ("def step(*_):\n    return {'z': 3}\n", "there is no output 'z'; expected some of y, of"),
@@ -98,6 +109,30 @@ def test_an_error_in_flight_has_the_time_and_the_line(tmp_path):
     law = DAMPING.replace("    return", "    if t > 1:\n        raise ValueError('too late')\n    return")
     with pytest.raises(BlockError, match=r"controller: step at 1 s: .*my_law.py:4: ValueError: too late"):
         flown(tmp_path, law)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the folder is not looked at there")
+def test_a_law_that_changes_the_working_folder_is_told_and_it_is_restored(tmp_path):
+    here = Path.cwd()
+    result = flown(tmp_path, "import os\n" + DAMPING.replace("    return", "    os.chdir('/')\n    return"), 2.0)
+    assert Path.cwd() == here
+    assert "controller: the run changed the working folder; it was restored" in result.warnings
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a run is waited for on Linux alone")
+@pytest.mark.parametrize("late", [False, True], ids=["in initialization", "in a step"])
+def test_a_law_that_ends_the_process_does_not_end_the_run_with_status_0(tmp_path, late):
+    flown(tmp_path, DAMPING, 2.0)
+    (tmp_path / "my_law.py").write_text(
+        f"import os\ndef step(inputs, parameters, t, h):\n    if t > {1.0 if late else -1.0}:\n        os._exit(0)\n"
+        "    return {'tau_cmd_B': [0, 0, 0]}\n"
+    )
+    command = [sys.executable, "-m", "orchestration", "own.yaml", "--out", "out", "--quiet"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 3
+    assert f"controller: step{'' if late else ' in initialization'}: ended the run with exit status 0" in done.stderr
 
 
 @pytest.mark.parametrize(
