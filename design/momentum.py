@@ -35,10 +35,15 @@ from controller import Parameters as Law
 from controller import reference as references
 from controller.reference import Reference
 from orchestration import InputError
+from plant.solar_pressure import at_distance
+from plant.sun import AU
 
 from .exact import Array
 from .impulse import Impulse, across
 from .loop import Setup
+
+PERIHELION = 0.983
+"""au"""
 
 
 @dataclass(frozen=True)
@@ -149,6 +154,10 @@ class MomentumBalance:
                 pressure = max(pressure, density * float(v @ v))
             # Twice the sampled pressure: between samples 10 s apart it moves by a few per cent.
             total += 2.0 * pressure * float(np.linalg.norm(p.surface.arms, axis=1).sum())
+        if p.solar_pressure:  # |F_i| <= p A_i (1 - s + 2 s + 2/3 d), at perihelion
+            arms = np.linalg.norm(p.light.arms, axis=1) * p.light.plates.areas
+            push = at_distance(PERIHELION * AU) * (1.0 + p.solar_specular + 2.0 / 3.0 * p.solar_diffuse)
+            total += push * float(arms.sum())
         return total
 
     def needed(self, T: float) -> tuple[Array, Array]:

@@ -52,6 +52,11 @@ class Bar:
         assert self._bar is not None
         self._bar(done)
 
+    def announce(self, text: str) -> None:
+        """Says how long it takes."""
+        if self._wanted:
+            say(text)
+
     def close(self) -> None:
         if self._bar is not None:
             self._bar.close()
@@ -158,7 +163,7 @@ def _one(file: Path, target: Path, options: Options, bar: Bar) -> Review:
     """Returns the review of a scenario, written with its page, or what a folder of results has."""
     if file.is_dir():
         return of_folder(file)
-    found = review(file, target, options, bar)
+    found = review(file, target, options, bar, bar.announce)
     found.save(target)
     page.write(found, target)
     return found
@@ -169,8 +174,8 @@ def _name(file: Path) -> str:
 
 
 def _print(found: Review) -> None:
-    say(f"{found.name}: {found.facts['flights']}", bold=True)
-    for name in ("Time to settle", "Errors of pointing", "Errors of knowledge", "Requirements"):
+    say(", ".join([found.name, *(f"{name} {value}" for name, value in found.facts.items())]), bold=True)
+    for name in ("Time to settle", "Errors of pointing", "Errors of knowledge", "Expectations", "Requirements"):
         for table in (t for section in found.sections for t in section.tables if t.name == name):
             say(f"\n{name}", bold=True)
             columns = 6 if name == "Requirements" else len(table.columns)

@@ -66,6 +66,7 @@ class Review:
     def save(self, folder: Path) -> None:
         """Writes review.json and a CSV file for each table. Raises ResultsError."""
         with writing(folder):
+            folder.mkdir(parents=True, exist_ok=True)
             (folder / REVIEW).write_text(json.dumps(asdict(self), indent=1) + "\n", "utf-8")
             for section in self.sections:
                 for table in section.tables:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fmus.interface import load as interface
 from plant.so3 import Array
 from plant.surroundings import Environment
 
@@ -59,13 +60,13 @@ def data(facts: Facts) -> Section:
                 (f"wheel {i}", f"{wheel.momentum_max:g} N.m.s, {wheel.torque_max:g} N.m, along {_listed(axis)}")
             )
     sensors = [
-        [name, _listed(values)]
+        [name, _listed(values, _unit(name))]
         for name, values in sorted(facts.starts.get("plant_sensors", {}).items())
         if values.any()
     ]
     tables = [
         Table("Data of the satellite", ["value", ""], [list(row) for row in shown]),
-        Table("Sensors", ["value, SI units", ""], sensors, "Values that are not zero, as plant_sensors takes them."),
+        Table("Sensors", ["value", ""], sensors, "Values that are not zero, as plant_sensors takes them."),
         Table("Assumptions", ["where", "what"], assumptions(facts), "Lines of the files that say 'assumed'."),
         Table(
             "Plausibility",
@@ -182,6 +183,12 @@ def factors(facts: Facts) -> dict[str, float]:
     found = {"torque_margin": [row[3] for row in table.rows if row[0].startswith("rods")]}
     found["momentum_margin"] = [row[3] for row in table.rows if row[0].endswith("orbit")]
     return {name: min(map(float, texts)) for name, texts in found.items() if texts and "–" not in texts}
+
+
+def _unit(name: str) -> str:
+    """Returns the unit of a parameter of the sensors; "" for none."""
+    variable = interface("plant_sensors").variables.get(name)
+    return "" if variable is None or variable.unit in (None, "1") else str(variable.unit)
 
 
 def _ratio(gives: float, needed: float) -> str:

@@ -23,6 +23,8 @@ from .options import Options
 SETTLED, OBSERVED = 0.5, 1.0
 """Orbits: how long the estimate has to settle, and how long the hold is looked at."""
 ALL, NONE = "all errors", "no error"
+DRAWN = 800
+"""Samples of the figure, about."""
 FEWER = 5
 """A contributor has a fifth of the members."""
 
@@ -168,8 +170,9 @@ def _figures(facts: Facts, flown: Mapping[str, Flown]) -> list[Curves]:
         vectors = budget.rotation_vectors(estimated[known].transpose(0, 2, 1) @ R[known])
         sizes[known] = np.degrees(np.linalg.norm(vectors, axis=1))
         curves["of knowledge"] = sizes
-    minutes = (one.time / 60.0).tolist()
-    listed = {name: [v if v == v else 0.0 for v in values.tolist()] for name, values in curves.items()}
+    every = slice(None, None, max(len(R) // DRAWN, 1))
+    minutes = (one.time[every] / 60.0).tolist()
+    listed = {name: [v if v == v else 0.0 for v in values[every].tolist()] for name, values in curves.items()}
     return [Curves("Errors of the first flight", minutes, "time, min", "error, deg", listed, log=True)]
 
 

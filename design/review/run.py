@@ -6,6 +6,7 @@ Tests: tests/design/review/test_review.py.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 from time import perf_counter
@@ -18,6 +19,8 @@ from .facts import Facts, facts
 from .flights import fly
 from .options import Options, Tell
 
+SPEED = 25_000
+"""Steps a second that a core flies of a satellite with one wheel, sensors and estimator."""
 LIMITS = [
     "Flexible parts, sloshing, moving panels and appendages: the body is rigid.",
     "Failures of two parts at once, failures that come and go, the computer, the radio and the power supply.",
@@ -29,13 +32,16 @@ LIMITS = [
 ]
 
 
-def review(file: Path, folder: Path, options: Options, tell: Tell) -> Review:
+def review(
+    file: Path, folder: Path, options: Options, tell: Tell, announce: Callable[[str], None] = lambda text: None
+) -> Review:
     """Flies what is left of a review and returns it; the tables and the page are for the caller to write.
 
     Raises InputError, and KeyboardInterrupt where a signal ends it: what has been flown stays.
     """
     begun = perf_counter()
     found = facts(file, options.mass)
+    announce(_planned(found, options))
     case, rows = tumbles.fly(found, options, folder, lambda done: tell("tumbles", done, options.runs))
     place = folder / "flights"
     holds = pointing.flights(found, options, case)
@@ -76,6 +82,20 @@ def review(file: Path, folder: Path, options: Options, tell: Tell) -> Review:
         "finished": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
     }
     return Review(found.scenario.name, found.scenario.description, shown, sections, said)
+
+
+def _planned(found: Facts, options: Options) -> str:
+    """Returns how many flights there are, and about how long they take."""
+    holds = sum(pointing.members(options, name) for name in pointing.cases(found))
+    fails = len(studies.failures(found)) + 1
+    slews = len(manoeuvres.slews(found))
+    orbits = tumbles.ORBITS * options.runs + (pointing.SETTLED + pointing.OBSERVED) * holds
+    orbits += manoeuvres.ENDS * fails + slews + manoeuvres.PASS
+    minutes = orbits * found.period / found.scenario.step / SPEED / max(options.workers, 1) / 60.0
+    return (
+        f"{options.runs + holds + fails + slews} flights, {orbits:.0f} orbits: about {max(minutes, 1):.0f} min on "
+        f"{max(options.workers, 1)} free cores at {SPEED:,} steps a second, less what has been flown"
+    )
 
 
 def _left(found: Facts) -> Section:

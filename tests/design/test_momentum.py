@@ -10,6 +10,8 @@ from design.impulse import SAMPLE
 from design.loop import read
 from design.momentum import MomentumBalance, Tolerance, farthest
 from evidence.paper import constants
+from plant.solar_pressure import at_distance
+from plant.sun import AU
 
 EXACT = Tolerance(0.0, 0.0)
 RODS = np.array([[1, 1, -1], [1, -1, 1], [0, 0, math.sqrt(3)]]) / math.sqrt(3)
@@ -189,6 +191,17 @@ def test_no_attitude_has_a_larger_disturbance_than_the_bound_counts_on_and_some_
     largest = rate * np.linalg.norm(np.cross(directions, directions @ parts.plant.body.J), axis=1).max()
     bound = (found.slack(100.0) - found.slack(0.0)) / 100.0
     assert 0.99 * bound < largest <= bound
+
+
+def test_sunlight_at_any_attitude_stays_below_what_the_bound_counts_on():
+    lit = {"plant.solar_pressure": True, "plant.solar_specular": 0.4, "plant.solar_diffuse": 0.5}
+    bound, dark = balance(**lit), balance()
+    counted = bound.slack(1.0) - dark.slack(1.0)
+    light, rng = bound.plant.light, np.random.default_rng(2)
+    suns = rng.normal(size=(500, 3))
+    suns /= np.linalg.norm(suns, axis=1)[:, None]
+    largest = max(np.linalg.norm(light.moment(s, at_distance(AU))) for s in suns)
+    assert 0.01 * counted < largest < counted  # the plates are counted as if all were lit
 
 
 def test_a_steady_torque_counts_with_its_size_over_the_whole_time():
