@@ -48,6 +48,7 @@ EXCITED: dict[str, dict[str, float | bool | int | str]] = {
         **{f"omega_B[{i}]": 0.02 * i for i in (1, 2, 3)},
         **{f"b_B[{i}]": 1e-5 * i for i in (1, 2, 3)},
         **{f"u_applied[{i}]": 1e-4 * i for i in (1, 2, 3, 4)},
+        **{f"attitude_sigma_B[{i}]": 1e-3 * i for i in (1, 2, 3)},
         "h_w": 1e-3,
     },
     "controller_planned, given reference": {

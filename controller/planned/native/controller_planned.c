@@ -50,7 +50,7 @@ static void initialise(const ControllerPlannedLaw *law, const ControllerPlannedI
     x->phase = PHASE_DAMPING;
     x->settled_since = x->loaded_since = INFINITY;
     x->reference = NO_REFERENCE;
-    controller_planned_identification_start(&law->p, &x->scales, &x->identification);
+    controller_planned_identification_start(&law->p, u, &x->scales, &x->identification);
     controller_planned_friction_start(&law->p, x->scales.time, &x->friction);
     x->rods_alone = controller_planned_is_no_wheel(law->p.wheel_torque_max, law->p.wheel_momentum_max, &x->scales);
 }

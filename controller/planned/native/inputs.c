@@ -45,6 +45,7 @@ bool controller_planned_inputs_finite(const ControllerPlannedInputs *u, Fault *f
                                   {"r_N", vector(u->r_N)},
                                   {"v_N", vector(u->v_N)},
                                   {"b_B", vector(u->b_B)},
+                                  {"attitude_sigma_B", vector(u->attitude_sigma_B)},
                                   {"R_ref", vector(u->R_ref[0])},
                                   {"R_ref", vector(u->R_ref[1])},
                                   {"R_ref", vector(u->R_ref[2])},

@@ -43,7 +43,7 @@ typedef struct {
     double l_own;          /* wheel momentum by the controller's own account */
     Identification identification;
     Friction friction;
-    bool rods_alone; /* the wheel gives no torque, and none is asked of it any more */
+    bool rods_alone; /* the wheel gives no torque, and none is asked of it but to see whether it works again */
     SensorsWatch sensors;
     /* The last sample. */
     double t_sample;

@@ -4,7 +4,10 @@
 
 #include <string.h>
 
-static const double TINY = 1e-300; /* keeps a rod that gives nothing from dividing */
+static const double PROBE =
+    0.02; /* of the wheel's limit: torque, to and fro, by which a stuck wheel shows that it works */
+static const double PROBE_SAMPLES = 4.0; /* to either side */
+static const double TINY = 1e-300;       /* keeps a rod that gives nothing from dividing */
 
 /* The feed-forward. */
 static void store_controls(const ControllerPlannedParameters *p, const double controls[CONTROLS],
@@ -161,6 +164,11 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     store_controls(p, controls, y);
     store(dOmega_d, y->dOmega_d);
     if (!has_wheel(&model)) {
+        if (x->friction.stuck) {
+            const double turns = 0.5 * x->t / (PROBE_SAMPLES * p->control_period);
+            y->wheel_torque_ff = (turns - (double)(int64_t)turns < 0.5 ? PROBE : -PROBE) * p->wheel_torque_max;
+            tau = subtract(tau, scale(y->wheel_torque_ff, model.wheel_axis));
+        }
         store(tau, y->tau_cmd_B);
         return;
     }

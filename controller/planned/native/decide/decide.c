@@ -1,5 +1,5 @@
 /* The sample's decision: the phase, and the plan or the steering that is flown. docs/how/planned.md, Phases.
- * It gives up a wheel that is stuck. A rod that has failed needs no decision: plan and steering use the gains that are
+ * It gives up a wheel that is stuck, and takes it again. A rod that has failed needs no decision: plan and steering use the gains that are
  * estimated, and the output `failed_rod` only reports it.
  * Tests: test_closed_loop.py, test_block.py. */
 #include "../plan/cost.h"
@@ -116,9 +116,9 @@ static void steer(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ah
 void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ahead *ahead,
                                const Motion *now, double dt, bool first)
 {
-    if (!x->rods_alone && law->p.find_failures && controller_planned_wheel_stuck(&x->friction)) {
-        x->rods_alone = true;
-        controller_planned_change_phase(x, EVENT_WHEEL_STUCK, now);
+    if (x->rods_alone == x->friction.stuck && law->p.find_failures && controller_planned_wheel_changes(&x->friction)) {
+        x->rods_alone = x->friction.stuck;
+        controller_planned_change_phase(x, EVENT_WHEEL, now);
     }
     const Model model = controller_planned_estimated(law, x);
     const bool target = ahead->target_kind != ONBOARD_TARGET_NONE;

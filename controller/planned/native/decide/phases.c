@@ -24,7 +24,7 @@ static const struct {
     Phase to;
     bool due; /* a plan or a steering, where the phase is another one */
 } TRANSITIONS[] = {
-    {ANY, EVENT_NO_ATTITUDE | EVENT_NO_TARGET | EVENT_WHEEL_STUCK, PHASE_DAMPING, false},
+    {ANY, EVENT_NO_ATTITUDE | EVENT_NO_TARGET | EVENT_WHEEL, PHASE_DAMPING, false},
     {PHASE_DAMPING, EVENT_TARGET, PHASE_STEERING, true},
     {ANY, EVENT_LOST, PHASE_STEERING, true},
     {PHASE_STEERING, EVENT_PLAN, PHASE_ACQUISITION, true},

@@ -18,7 +18,7 @@ typedef struct {
 typedef enum {
     EVENT_NO_ATTITUDE = 1,
     EVENT_NO_TARGET = 2,
-    EVENT_WHEEL_STUCK = 4, /* what was planned with the wheel is no plan any more */
+    EVENT_WHEEL = 4, /* what was planned with the wheel is no plan any more */
     EVENT_TARGET = 8,
     EVENT_LOST = 16,
     EVENT_PLAN = 32, /* there is one for now */

@@ -159,7 +159,10 @@ void controller_planned_correct(const double innovation[MOTION], Identification 
 {
     double correction[FILTER_STATES] = {0.0}, gain[MEASURED][MOTION];
     memset(gain, 0, sizeof gain);
-    for (int i = 0; i < MOTION; ++i) {
+    if (id->estimated) {
+        controller_planned_take_attitude(id);
+    }
+    for (int i = id->estimated ? RATE_STATE : 0; i < MOTION; ++i) {
         correct(i, innovation, correction, gain, id);
     }
     for (int i = 0; i < FILTER_STATES; ++i) {
@@ -167,7 +170,9 @@ void controller_planned_correct(const double innovation[MOTION], Identification 
             id->P[i][j] = id->P[j][i];
         }
     }
-    memcpy(id->gain, gain, sizeof id->gain);
+    for (int i = id->estimated ? RATE_STATE : 0; i < MOTION; ++i) {
+        memcpy(id->gain[i], gain[i], sizeof gain[i]);
+    }
     for (int i = 0; i < UNKNOWNS; ++i) {
         id->p[i] += correction[MOTION + i];
     }

@@ -23,6 +23,14 @@ static const double WATCHED = 0.2;          /* of `forgets`: time of such sample
 static const double FAILED = 0.5; /* share of the torque that the wheel gives, below which it has failed (F4) */
 static const double STUCK = 0.05; /* the same, below which it is stuck */
 
+static const double FOLLOWED = 3.0;    /* T, over which the wheel is to follow its torque (F5) */
+static const double FOLLOWS_NOT = 0.1; /* share of its torque that a stuck wheel may seem to follow */
+static const double MOVED = 6.0;       /* deviations of the momentum's noise, by which the wheel has moved */
+static const double MOVED_MIN = 5e-4;  /* the same, at least, of the momentum's limit */
+static const double CERTAIN = 5.0;     /* deviations by which a share is told from half */
+static const double STANDING = 2e-3;   /* of the momentum's limit, below which friction may hold a sound wheel */
+static const double FLOOR = 1e-3;      /* of the torque's limit: noise of a sample at least */
+
 void controller_planned_friction_start(const ControllerPlannedParameters *p, double T, Friction *friction)
 {
     const double torque = EXPECTED * p->wheel_torque_max, decay = torque / p->wheel_momentum_max;
@@ -32,6 +40,8 @@ void controller_planned_friction_start(const ControllerPlannedParameters *p, dou
     friction->torque_max = p->wheel_torque_max;
     friction->momentum_max = p->wheel_momentum_max;
     friction->forgets = FORGETS * T;
+    friction->followed = FOLLOWED * T;
+    friction->period = p->control_period;
     if (p->identify) {
         friction->P[0][0] = torque * torque;
         friction->P[1][1] = decay * decay;
@@ -57,6 +67,28 @@ static void respond(double dt, double share, double torque, double rate, Respons
     response->seen += dt;
 }
 
+/* (N m)2, of a measured change of momentum over a sample, at most: white noise bends it by three times as much. */
+static double variance_of_noise(const Friction *friction)
+{
+    const double floor = FLOOR * friction->torque_max;
+    return larger(friction->bends / 3.0, floor * floor);
+}
+
+/* Takes a torque and the change of momentum. */
+static void follow(double dt, double applied, double rate, Friction *friction)
+{
+    Following *f = &friction->following;
+    const double share = smaller(dt / larger(smaller(f->seen, friction->followed), dt), 1.0);
+    const double torque = applied - f->torque, change = rate - f->rate, jump = applied - f->last;
+    f->torque += share * torque;
+    f->rate += share * change;
+    f->square += share * ((1.0 - share) * torque * torque - f->square);
+    f->common += share * ((1.0 - share) * torque * change - f->common);
+    f->jumps += share * ((f->seen > 0.0 ? jump * jump : 0.0) - f->jumps);
+    f->last = applied;
+    f->seen += dt;
+}
+
 /* Whether the wheel fails. */
 static void watch(double dt, double torque, double l, double l_next, Friction *friction)
 {
@@ -69,6 +101,18 @@ static void watch(double dt, double torque, double l, double l_next, Friction *f
     }
     if (fabs(torque) >= STALL_EXCITATION * friction->torque_max) {
         respond(dt, share, torque, rate, &friction->stall);
+    }
+    const double bend = rate - friction->rate;
+    friction->bends += smaller(dt / friction->followed, 1.0) * (bend * bend - friction->bends);
+    friction->rate = rate;
+    const double band =
+        larger(MOVED * dt * sqrt(0.5 * variance_of_noise(friction)), MOVED_MIN * friction->momentum_max);
+    const bool turns = smaller(fabs(l), fabs(l_next)) > STANDING * friction->momentum_max;
+    if (!friction->stuck && fabs(l_next - friction->following.momentum) > band) { /* it is not stuck */
+        friction->following = (Following){.momentum = l_next};
+    }
+    if (turns || friction->stuck || fabs(torque) >= DRAG_EXCITATION * friction->torque_max) {
+        follow(dt, torque, rate, friction);
     }
 }
 
@@ -109,14 +153,34 @@ static bool gives_less(const Response *response, double share, double watched)
     return response->seen > watched && response->given < share * response->asked;
 }
 
-bool controller_planned_wheel_failed(const Friction *friction)
+/* By how many deviations the share of the torque that the wheel follows is above a half. White noise of the momentum,
+ * which alternates in its changes, shows by the torque's jumps alone. */
+static double above_half(const Friction *friction)
 {
-    return gives_less(&friction->drag, FAILED, WATCHED * friction->forgets);
+    const Following *f = &friction->following;
+    const double samples = 2.0 * friction->followed / friction->period;
+    const double sigma = sqrt(0.5 * variance_of_noise(friction) * f->jumps / samples);
+    return f->seen < friction->followed ? 0.0 : (f->common - 0.5 * f->square) / (sigma + TINY);
 }
 
-bool controller_planned_wheel_stuck(const Friction *friction)
+bool controller_planned_wheel_failed(const Friction *friction)
 {
-    return gives_less(&friction->stall, STUCK, WATCHED * friction->forgets);
+    return friction->stuck || gives_less(&friction->drag, FAILED, WATCHED * friction->forgets);
+}
+
+bool controller_planned_wheel_changes(Friction *friction)
+{
+    const Following *f = &friction->following;
+    const double above = above_half(friction);
+    const bool stops = gives_less(&friction->stall, STUCK, WATCHED * friction->forgets) ||
+                       (above < -CERTAIN && f->common < FOLLOWS_NOT * f->square);
+    if (friction->stuck ? above < CERTAIN : !stops) {
+        return false;
+    }
+    friction->stuck = !friction->stuck;
+    friction->drag = friction->stall = (Response){0.0, 0.0, 0.0};
+    memset(&friction->following, 0, sizeof friction->following);
+    return true;
 }
 
 double controller_planned_friction_torque(const Friction *friction, double l, double rate, double dt)

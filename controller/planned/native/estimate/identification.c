@@ -12,6 +12,9 @@ static const double EXCESS_MAX = 1e6;
 static const double EVIDENCE_MAX = 25.0; /* beyond which the start is taken again */
 static const double WIDE_TRUST = 2.5;    /* largest change of a gain there */
 static const double FAILED_SIGMA = 0.15; /* standard deviation of a gain from which on it is known */
+static const double SOUND = 0.2;         /* change of a gain that a sound rod may have */
+static const double CERTAIN = 4.0;       /* deviations beyond that: one false alarm in 15,000 suspicions */
+static const double WIDE_DIPOLE = 0.5;   /* of a rod at its limit: largest dipole, with one that is stuck on */
 
 enum { HALVINGS = 4 }; /* of what is estimated less the start, until it is the inertia of a body */
 
@@ -51,7 +54,8 @@ int32_t controller_planned_failed_rod(const Identification *id)
     double farthest = TRUST;
     for (int i = 0; i < 3 && id->watch.wide; ++i) {
         const double change = fabs(id->p[GAINS + i] - id->start[GAINS + i]);
-        if (id->P[MOTION + GAINS + i][MOTION + GAINS + i] < FAILED_SIGMA * FAILED_SIGMA && change > farthest) {
+        const double sigma = sqrt(larger(id->P[MOTION + GAINS + i][MOTION + GAINS + i], 0.0));
+        if (sigma < FAILED_SIGMA && change > farthest && change > SOUND + CERTAIN * sigma) {
             failed = i + 1;
             farthest = change;
         }
@@ -80,7 +84,7 @@ static bool keep_all_within(Identification *id)
     }
     keep_within(id->p + BIAS, id->limit[0]);
     keep_within(id->p + TORQUE, id->limit[1]);
-    keep_within(id->p + DIPOLE, id->limit[2]);
+    keep_within(id->p + DIPOLE, larger(id->limit[2], id->watch.wide ? WIDE_DIPOLE * id->dipole : 0.0));
     return beyond;
 }
 
@@ -106,9 +110,9 @@ static void widen(double dt, const double square[2], const Vector innovation[2],
 /* Whether the innovations fit their variances, or the measurement is exact; how far they do is averaged. */
 static bool is_accepted(double dt, const double innovation[MOTION], Identification *id)
 {
-    double square[2] = {0.0, 0.0};
+    double square[2] = {id->estimated ? 1.0 : 0.0, 0.0};
     bool accepted = true;
-    for (int i = 0; i < MOTION; ++i) {
+    for (int i = id->estimated ? RATE_STATE : 0; i < MOTION; ++i) {
         const int kind = i / RATE_STATE, b = MOTION + BIAS + i - RATE_STATE;
         const double spread =
             id->variance[kind] * id->excess[kind] + id->P[i][i] + (kind == 1 ? 2.0 * id->P[i][b] + id->P[b][b] : 0.0);
@@ -116,7 +120,8 @@ static bool is_accepted(double dt, const double innovation[MOTION], Identificati
         accepted = accepted && (ratio <= GATE * GATE || id->variance[kind] == 0.0);
         square[kind] += (ratio <= GATE * GATE ? ratio : GATE * GATE) / 3.0;
     }
-    const Vector both[2] = {vector(innovation), vector(innovation + RATE_STATE)};
+    const Vector none = {0.0, 0.0, 0.0},
+                 both[2] = {id->estimated ? none : vector(innovation), vector(innovation + RATE_STATE)};
     widen(dt, square, both, id);
     return accepted;
 }
@@ -147,6 +152,8 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
         memset(id->gain, 0, sizeof id->gain);
         if (id->rejected > 1) {
             controller_planned_take_measured(id); /* twice in turn: it is the prediction that is wrong */
+        } else if (id->estimated) {
+            controller_planned_take_attitude(id);
         }
         return;
     }

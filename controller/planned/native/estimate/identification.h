@@ -29,6 +29,9 @@ typedef struct {
     double inertia_spread[6]; /* kg m2, of the inertia */
     double limit[4];     /* of the bias, rad/s; of the disturbance, N m; of the dipole, A m2; of the products, kg m2 */
     double variance[2];  /* rad2, rad2/s2, of a measurement */
+    Vector sigma_B;      /* rad, of an attitude that an estimator gives */
+    bool estimated;      /* an estimator gives attitude and rate: errors of its attitude last, and tell nothing */
+    double dipole;       /* A m2, of a rod at its limit */
     double rate_density; /* rad2/s3, of the model's error at rest */
     double bias_density; /* rad2/s3, of the bias's change */
     double torque_density; /* (N m)2/s, of the disturbance's change */
@@ -47,11 +50,13 @@ typedef struct {
 } Passed;
 
 /* What is known before the flight: the parameters, and the first measurement. */
-void controller_planned_identification_start(const ControllerPlannedParameters *p, const Scales *scales,
-                                             Identification *id);
+void controller_planned_identification_start(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u,
+                                             const Scales *scales, Identification *id);
 
-/* The noise of the measurements is that of the parameters, which may change in flight. */
-void controller_planned_set_noise(const ControllerPlannedParameters *p, Identification *id);
+/* The noise of the measurements is that of the parameters, which may change in flight; or an estimator gives attitude,
+ * with these deviations, rad, and rate, without a bias. */
+void controller_planned_set_noise(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u,
+                                  Identification *id);
 
 /* The bound of the disturbance, and how soon it is forgotten. */
 void controller_planned_set_disturbance(const Scales *scales, bool strained, Identification *id);
@@ -61,6 +66,9 @@ void controller_planned_begin_properties(Identification *id);
 
 /* A rod may have failed: the gains are sought in a wide range, and what else may have taken up the failure anew. */
 void controller_planned_suspect_rods(Identification *id);
+
+/* An attitude that an estimator gives is taken as it is, whether or not its rate is. */
+void controller_planned_take_attitude(Identification *id);
 
 /* Attitude and rate are those that were measured; the rate's error is then that of noise and bias. */
 void controller_planned_take_measured(Identification *id);
@@ -81,7 +89,8 @@ int32_t controller_planned_failed_rod(const Identification *id);
 /* The covariance after the sample. */
 void controller_planned_propagate(const Passed *passed, Identification *id);
 
-/* p, P and gain after a measurement with these innovations, rad and rad/s. */
+/* p, P and gain after a measurement with these innovations, rad and rad/s; of an estimated attitude that of the rate
+ * alone, and the attitude is then the measured one. */
 void controller_planned_correct(const double innovation[MOTION], Identification *id);
 
 /* The correction by the measurement at the sample's end. `turn`, rad, and `rate`, rad/s, are the innovations, with

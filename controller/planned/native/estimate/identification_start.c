@@ -12,6 +12,7 @@ static const double REST_NOISE = 2.5e-4; /* 1/T, standard deviation of the rate 
 static const double LASTS = 0.5;         /* T, for which the model's error stays alike */
 static const double EXCESS_TIME = 2.0;   /* T, over which innovations are averaged */
 static const double WIDE_SPREAD = 1.0;   /* standard deviation of the gains where a rod is suspected */
+static const double WIDE_DIPOLE = 0.1;   /* the same of the dipole, of a rod at its limit: it may be stuck on */
 static const double PAUSE = 2.0;         /* T, until the gains are known after that; each time twice as long */
 
 /* `count` unknowns become independent of all others. */
@@ -25,10 +26,10 @@ static void forget(Identification *id, int first, int count, double deviation)
     }
 }
 
-static void begin_torques(Identification *id)
+static void begin_torques(double stuck_on, Identification *id)
 {
     forget(id, TORQUE, 3, EXPECTED * id->limit[1]);
-    forget(id, DIPOLE, 3, EXPECTED_DIPOLE * id->limit[2]);
+    forget(id, DIPOLE, 3, larger(EXPECTED_DIPOLE * id->limit[2], stuck_on));
 }
 
 void controller_planned_begin_properties(Identification *id)
@@ -49,11 +50,25 @@ void controller_planned_suspect_rods(Identification *id)
     controller_planned_begin_properties(id);
     forget(id, GAINS, 3, WIDE_SPREAD);
     memset(id->p + TORQUE, 0, (UNKNOWNS - TORQUE) * sizeof id->p[0]);
-    begin_torques(id);
+    begin_torques(WIDE_DIPOLE * id->dipole, id);
     id->excess[0] = id->excess[1] = id->excess[2] = 1.0;
     id->alike[0] = id->alike[1] = 0.0;
     id->watch.wide = true;
-    controller_planned_pause_watch(&id->watch);
+    controller_planned_pause_watch(id->time, &id->watch);
+}
+
+void controller_planned_take_attitude(Identification *id)
+{
+    for (int i = 0; i < RATE_STATE; ++i) {
+        for (int j = 0; j < FILTER_STATES; ++j) {
+            id->P[i][j] = id->P[j][i] = 0.0;
+        }
+        memset(id->gain[i], 0, sizeof id->gain[i]);
+        id->gain[i][i] = 1.0;
+    }
+    id->P[0][0] = id->sigma_B.x * id->sigma_B.x;
+    id->P[1][1] = id->sigma_B.y * id->sigma_B.y;
+    id->P[2][2] = id->sigma_B.z * id->sigma_B.z;
 }
 
 void controller_planned_take_measured(Identification *id)
@@ -95,10 +110,18 @@ static void store_symmetric(Matrix m, double p[6])
     memcpy(p, elements, sizeof elements);
 }
 
-void controller_planned_set_noise(const ControllerPlannedParameters *p, Identification *id)
+void controller_planned_set_noise(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u,
+                                  Identification *id)
 {
     id->variance[0] = p->attitude_noise * p->attitude_noise;
     id->variance[1] = p->rate_noise * p->rate_noise;
+    id->estimated = id->spread > 0.0 && controller_planned_has_attitude_sigma_B(u); /* what is learned */
+    if (id->estimated) {
+        id->sigma_B = vector(u->attitude_sigma_B);
+        id->bias_density = id->limit[0] = 0.0;
+        memset(id->p + BIAS, 0, 3 * sizeof id->p[0]);
+        forget(id, BIAS, 3, 0.0);
+    }
 }
 
 void controller_planned_set_disturbance(const Scales *scales, bool strained, Identification *id)
@@ -110,8 +133,8 @@ void controller_planned_set_disturbance(const Scales *scales, bool strained, Ide
     id->torque_density = id->limit[1] > 0.0 ? id->rate_density * inertia * inertia / (forgotten * forgotten) : 0.0;
 }
 
-void controller_planned_identification_start(const ControllerPlannedParameters *p, const Scales *scales,
-                                             Identification *id)
+void controller_planned_identification_start(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u,
+                                             const Scales *scales, Identification *id)
 {
     const double T = scales->time;
     memset(id, 0, sizeof *id);
@@ -121,8 +144,9 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     id->spread = p->identify ? p->identify_spread : 0.0;
     id->limit[0] = p->rate_bias_max;
     id->limit[2] = scales->residual_dipole_max;
+    id->dipole = p->dipole_max;
     id->limit[3] = PRODUCTS * TRUST * scales->momentum * T;
-    controller_planned_set_noise(p, id);
+    controller_planned_set_noise(p, u, id);
     id->rate_density = REST_NOISE * REST_NOISE / (T * T * T);
     id->bias_density = EXPECTED * EXPECTED * id->limit[0] * id->limit[0] / BIAS_TIME;
     controller_planned_set_disturbance(scales, false, id);
@@ -133,6 +157,6 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     id->excess[0] = id->excess[1] = id->excess[2] = 1.0;
     controller_planned_begin_properties(id);
     forget(id, BIAS, 3, EXPECTED * id->limit[0]);
-    begin_torques(id);
+    begin_torques(0.0, id);
     controller_planned_take_measured(id);
 }

@@ -4,6 +4,7 @@
 static const double FADES = 4.0;       /* T, over which innovations lose their say */
 static const double TOO_FAST = 15.0;   /* 1/T, rate above which nothing is watched */
 static const double AFTER_FAST = 10.0; /* T, for which nothing is watched after such a rate */
+static const double PAUSE_MAX = 8.0;   /* T, of the pause after a suspicion */
 static const double SUSPECTED = 25.0;  /* squared deviations of the gains' changes */
 
 /* The sums begin again, after a pause, s. */
@@ -30,8 +31,8 @@ bool controller_planned_watch_rods(double dt, double T, Vector rate, double S, R
     return dot(watch->z, solve(sum(watch->M, identity), watch->z)) > SUSPECTED;
 }
 
-void controller_planned_pause_watch(RodsWatch *watch)
+void controller_planned_pause_watch(double T, RodsWatch *watch)
 {
     begin_anew(watch->pause, watch);
-    watch->pause *= 2.0;
+    watch->pause = smaller(2.0 * watch->pause, PAUSE_MAX * T);
 }

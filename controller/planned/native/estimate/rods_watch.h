@@ -12,7 +12,7 @@ typedef struct {
     double rate;   /* rad/s, of the satellite in the middle of it */
     bool wide;     /* gains are sought beyond those of sound rods */
     double paused; /* s, for which nothing is watched, since the filter has begun anew */
-    double pause;  /* s, the next of these; each is twice as long as the last */
+    double pause;  /* s, the next of these; each is twice as long as the last, up to a largest */
 } RodsWatch;
 
 /* Takes the innovation of the rate, rad/s, with its variance S, rad2/s2, after a sample of dt, s; T is the
@@ -20,6 +20,6 @@ typedef struct {
 bool controller_planned_watch_rods(double dt, double T, Vector rate, double S, RodsWatch *watch);
 
 /* Begins anew, with nothing watched for the next pause. */
-void controller_planned_pause_watch(RodsWatch *watch);
+void controller_planned_pause_watch(double T, RodsWatch *watch);
 
 #endif
