@@ -4,9 +4,10 @@ Longer than 250 lines: the description of the format stands here, beside what re
 
 The TOML file
 -------------
-`[block]` has `name` and `description`, `flavours` where there is one only: `["native"]`, and `sampled = false` where
-the block has no instants of its own; any other gets the parameter `sample_period`, its last variable, which stands in
-no file. `[experiment]` has `stop` and `step`, in seconds. Each `[variables.NAME]` has
+`[block]` has `name` and `description`, `flavours` where there is one only: `["native"]`, `derivatives = true` where its
+FMU of FMI 3.0 gives them, and `sampled = false` where the block has no instants of its own; any other gets the
+parameter `sample_period`, its last variable, which stands in no file. `[experiment]` has `stop` and `step`, in seconds.
+Each `[variables.NAME]` has
 
 - `causality`: "input", "output" or "parameter";
 - `type`: "real" (the default), "integer", "boolean", "string" or "enumeration" (with `items`);
@@ -14,6 +15,7 @@ no file. `[experiment]` has `stop` and `step`, in seconds. Each `[variables.NAME
   way, one-based and row-major: `omega_B[1]`, `R_NB[2,3]`;
 - `unit`, `display_unit`: units by their names (`A.m2`); none means dimensionless; where the elements differ, `unit` is
   a list of the variable's shape, with a unit for each element, and there is no `display_unit`;
+- `nominal`: its usual size in that unit where that is far from 1, or a list of the variable's shape;
 - `frame`: the frame of its components;
 - `variability`: of a parameter, "fixed" or "tunable";
 - `start` (inputs and parameters), `min`, `max`;
@@ -52,6 +54,7 @@ Tests: tests/fmus/test_rules.py.
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from dataclasses import replace
 from typing import Any
@@ -118,6 +121,7 @@ def parse(text: str, file: str = "<interface>") -> Interface:
         flavours=_flavours(data["block"], file),
         helpers=_helpers(data.get("helpers", {}), variables, file),
         cycles=_cycles(data.get("cycles", {}), variables, file),
+        derivatives=data["block"].get("derivatives", False),
         view=data.get("view", {}),
     )
 
@@ -130,8 +134,8 @@ def _flavours(block: dict[str, Any], file: str) -> tuple[str, ...]:
 
 
 _KEYS = (
-    "causality type shape unit display_unit frame variability optional quantity steps start min max items description "
-    "depends_on initially_depends_on each"
+    "causality type shape unit display_unit nominal frame variability optional quantity steps start min max items "
+    "description depends_on initially_depends_on each"
 ).split()
 
 
@@ -177,6 +181,7 @@ def _variable(name: str, entry: dict[str, Any], reference: int) -> Variable:
         shape=shape,
         units=_units(entry, shape, len(indices)),
         display_unit=entry.get("display_unit"),
+        nominals=_nominals(entry, kind, shape, len(indices)),
         frame=entry.get("frame"),
         start=start,
         min=entry.get("min"),
@@ -234,6 +239,16 @@ def _units(entry: dict[str, Any], shape: tuple[int, ...], size: int) -> tuple[st
     if "display_unit" in entry:
         raise InterfaceError("a variable whose elements have units of their own has no display_unit")
     return tuple(_flatten(unit, shape, "unit"))
+
+
+def _nominals(entry: dict[str, Any], kind: Type, shape: tuple[int, ...], size: int) -> tuple[float | None, ...]:
+    nominal = entry.get("nominal")
+    if nominal is None:
+        return (None,) * size
+    found = _flatten(nominal, shape, "nominal") if isinstance(nominal, list) else [nominal] * size
+    if kind != "real" or not all(isinstance(value, float) and 0.0 < value < math.inf for value in found):
+        raise InterfaceError(f"nominal: expected a real variable's size, a finite number above 0, found {nominal!r}")
+    return tuple(found)
 
 
 def element_name(name: str, index: tuple[int, ...]) -> str:

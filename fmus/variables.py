@@ -41,6 +41,8 @@ class Variable:
     units: tuple[str | None, ...]
     """Of each element."""
     display_unit: str | None
+    nominals: tuple[float | None, ...]
+    """The size that is usual, of each element; None means 1."""
     frame: str | None
     start: Any
     """Nested lists of the given shape, or a scalar; an enumeration's is its item's name."""
@@ -112,6 +114,8 @@ class Interface:
     """The block whose code it runs: another one where this is the interface for a set of parts."""
     sets: dict[str, int] = field(default_factory=dict)
     """How many parts each set of the file has in this interface at most, by the set's name."""
+    derivatives: bool = False
+    """Whether its FMU of FMI 3.0 gives directional and adjoint derivatives."""
     view: dict[str, Any] = field(default_factory=dict)
     """The part of this block in a three-dimensional view of a loop, as the file has it."""
 

@@ -19,12 +19,14 @@ from orchestration.errors import InputError, Problem
 from orchestration.quantities import QuantityError, parse_unit, value_in
 
 from .aem import is_aem
-from .convert import FORMATS, convert, difference, timeline
+from .convert import FORMATS, convert, difference, reference, timeline
 from .frames import FRAMES
 from .motion import Ports
 from .recorded import recorded
 
 DIFFERS = 1
+FROM_AEM = ("timeline", "reference")
+"""What an AEM becomes."""
 _PORTS = asdict(Ports())
 
 
@@ -41,10 +43,11 @@ def _port(name: str, what: str) -> Callable[[Any], Any]:
         "orchestrate convert results/flight --to mcap --attitude estimator.R_NB",
         "orchestrate convert results/flight --compare truth.aem --tolerance '0.1 deg'",
         "orchestrate convert plan.aem --to timeline --scenario mission.yaml --out planned.yaml",
+        "orchestrate convert scan.aem --to reference --scenario mission.yaml --out scanned.yaml",
     ),
 )
 @click.argument("source", metavar="RESULT|FILE.aem", type=PATH)
-@click.option("--to", type=click.Choice([*FORMATS, "timeline"]), help="The format.")
+@click.option("--to", type=click.Choice([*FORMATS, *FROM_AEM]), help="The format.")
 @click.option("-o", "--out", type=PATH, metavar="FILE", help="File, .xml for XML; for ck a folder. Default: in RESULT.")
 @click.option("--frame", type=click.Choice(FRAMES), default="EME2000", show_default=True, help="Of aem, oem and ck.")
 @_port("attitude", "Signal of the attitude: matrix N from body, or quaternion, scalar first.")
@@ -57,7 +60,7 @@ def _port(name: str, what: str) -> Callable[[Any], Any]:
 @click.option("--naif-id", type=int, default=-9999, show_default=True, help="The spacecraft's number in SPICE.")
 @click.option("--compare", type=PATH, metavar="FILE.aem", help="Print how far the attitude is from that of an AEM.")
 @click.option("--tolerance", metavar="A", help="With --compare: the largest angle, in rad or with a unit.")
-@click.option("--scenario", type=PATH, metavar="FILE", help="With --to timeline: the scenario that is extended.")
+@click.option("--scenario", type=PATH, metavar="FILE", help="From an AEM: the scenario that is extended.")
 @click.option(
     "--goal", default="supervisor.R_goal", show_default=True, metavar="BLOCK.INPUT", help="With --to timeline."
 )
@@ -85,17 +88,21 @@ def command(
 
     Or compare it with an attitude ephemeris (--compare).
 
-    RESULT is the folder of a run. From an AEM, --to timeline makes a scenario whose supervisor points as it says.
+    RESULT is the folder of a run. From an AEM, --to timeline makes a scenario whose supervisor points as it says, and
+    --to reference one whose controllers follow it as it moves.
     Exit status: 0 all well, 1 the attitudes differ by more than --tolerance, 2 wrong input, 4 not written.
     """
     if to is None and compare is None:
         raise InputError(Problem(expected="--to FORMAT or --compare FILE.aem", found="neither"))
     ports = Ports(attitude, rate, position, velocity, epoch)
-    if to == "timeline" or is_aem(source):
-        if to != "timeline" or scenario is None or out is None or not is_aem(source):
-            expected = "FILE.aem --to timeline --scenario SCENARIO --out FILE.yaml"
+    if to in FROM_AEM or is_aem(source):
+        if to not in FROM_AEM or scenario is None or out is None or not is_aem(source):
+            expected = f"FILE.aem --to {' or '.join(FROM_AEM)} --scenario SCENARIO --out FILE.yaml"
             raise InputError(Problem(expected=expected, found="other options for an AEM, or another file"))
-        say(f"{timeline(source, scenario, out, goal, epoch)} entries in {out}")
+        if to == "reference":
+            say(f"{reference(source, scenario, out, epoch)} rows in {out.with_suffix('.csv')}, for {out}")
+        else:
+            say(f"{timeline(source, scenario, out, goal, epoch)} entries in {out}")
         return
     data = recorded(source)
     if to is not None:

@@ -22,6 +22,7 @@ from . import ccsds, foxglove, hdf5, spice
 from .aem import read
 from .motion import Motion, Ports, angles, epoch_of, in_frame, motion, resampled
 from .recorded import Recorded, recorded
+from .reference import moving
 
 FORMATS = {"aem": ".aem", "oem": ".oem", "mcap": ".mcap", "ck": "", "hdf5": ".h5"}
 """The formats, and what their files end in; the kernels of ck stand in a folder."""
@@ -133,6 +134,24 @@ def _check_goal(loaded: Scenario, block: str, port: str, goal: str) -> None:
         raise InputError(Problem(expected=expected, found=found, place=Place("--goal")))
 
 
+def _course(ephemeris: Path, loaded: Scenario, epoch: str) -> tuple[str, Motion]:
+    """The UTC of a scenario's t = 0, and the attitudes of an AEM from then, in N."""
+    starts = {name: {**loaded.shared, **entry.start} for name, entry in loaded.blocks.items()}
+    parameters = {name: {str(key): value for key, value in start.items()} for name, start in starts.items()}
+    zero = epoch_of(Recorded(loaded.name, np.zeros(0), {}, parameters=parameters), epoch)
+    return zero, in_frame(read(ephemeris, zero), "N")
+
+
+def reference(ephemeris: Path, scenario: Path, out: Path, epoch: str) -> int:
+    """Writes a scenario whose controllers follow an AEM as it moves, with its rate and acceleration, and a table beside
+    it; returns the number of rows. Raises InputError as `moving` does."""
+    course = _course(ephemeris, load(scenario), epoch)[1]
+    text, table, rows = moving(scenario, out, course.instants.time, course.q, Place(str(ephemeris)))
+    _written(out.with_suffix(".csv"), lambda path: path.write_text(table, "utf-8"))
+    _written(out, lambda path: path.write_text(text, "utf-8"))
+    return rows
+
+
 def timeline(ephemeris: Path, scenario: Path, out: Path, goal: str, epoch: str) -> int:
     """Writes a scenario that extends another by the attitudes of an AEM, as values of an input; returns their number.
 
@@ -145,10 +164,7 @@ def timeline(ephemeris: Path, scenario: Path, out: Path, goal: str, epoch: str) 
         expected, found = f"BLOCK.INPUT, a block of {', '.join(loaded.blocks)}", goal
         raise InputError(Problem(expected=expected, found=found, place=Place("--goal")))
     _check_goal(loaded, block, port, goal)
-    starts = {name: {**loaded.shared, **entry.start} for name, entry in loaded.blocks.items()}
-    parameters = {name: {str(key): value for key, value in start.items()} for name, start in starts.items()}
-    zero = epoch_of(Recorded(loaded.name, np.zeros(0), {}, parameters=parameters), epoch)
-    course: Motion = in_frame(read(ephemeris, zero), "N")
+    zero, course = _course(ephemeris, loaded, epoch)
     last = loaded.duration - loaded.step
     times = course.instants.time
     # A value acts from the next step on; of several for one step the first counts.

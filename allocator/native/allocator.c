@@ -133,7 +133,8 @@ bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const A
 {
     const NamedVector inputs[] = {
         {"tau_cmd_B", vector(u->tau_cmd_B)}, {"b_B", vector(u->b_B)}, {"omega_B", vector(u->omega_B)}};
-    if (!all_finite_vectors(inputs, COUNT(inputs), f) || !all_finite(&(Named){"h_w", u->h_w}, 1, f)) {
+    const Named h_w = {"h_w", u->h_w};
+    if (!all_finite_vectors(inputs, COUNT(inputs), f) || !all_finite(&h_w, 1, f)) {
         return false;
     }
 

@@ -25,7 +25,7 @@ def common(interface: Interface, folder: Path, licence: Path | None, host: str, 
     found = {
         "documentation/index.html": index_html(interface, host, version),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(interface, version),
-        **references(interface, folder),
+        **references(interface, folder, version),
     }
     if licence is not None and licence.exists():
         found["documentation/licenses/license.txt"] = licence.read_bytes()

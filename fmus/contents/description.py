@@ -124,6 +124,15 @@ def axes_of(variable: Variable, position: int) -> str:
     return ", ".join(words)
 
 
+def sizes(variable: Variable, position: int) -> dict[str, str]:
+    """The attributes min, max and nominal of an element, where it has them, as either version of FMI names them."""
+    whole = {"min": variable.min, "max": variable.max}
+    found = {key: float(v) if variable.type == "real" else int(v) for key, v in whole.items() if v is not None}
+    if (nominal := variable.nominals[position]) is not None:
+        found["nominal"] = nominal
+    return {key: text_of(value) for key, value in found.items()}
+
+
 def add_items(parent: ET.Element, variable: Variable) -> None:
     """Adds the items of an enumeration, each with its words in the description of the variable: `'item': ...`."""
     for value, item in enumerate(variable.items, start=1):
@@ -193,10 +202,7 @@ def _scalar_variable(parent: ET.Element, variable: Variable, position: int, elem
         kind["declaredType"] = type_name(variable, position)
     if variable.type == "real":
         kind |= _unit_attributes(variable, position)
-    bounds: Mapping[str, float | None] = {"min": variable.min, "max": variable.max}
-    for key, bound in bounds.items():
-        if bound is not None:
-            kind[key] = text_of(float(bound) if variable.type == "real" else int(bound))
+    kind |= sizes(variable, position)
     if element.start is not None:
         kind["start"] = text_of(float(element.start) if variable.type == "real" else element.start)
     ET.SubElement(entry, _TAGS[variable.type], kind)

@@ -19,6 +19,7 @@ from .description import (
     about,
     add_items,
     shown_units,
+    sizes,
     text_of,
     type_name,
     unit_definitions,
@@ -54,6 +55,8 @@ def model_description_3(
         "canSerializeFMUState": capabilities.canSerializeFMUstate,
         "canHandleVariableCommunicationStepSize": capabilities.canHandleVariableCommunicationStepSize,
     }
+    if interface.derivatives:
+        flags |= {"providesDirectionalDerivatives": True, "providesAdjointDerivatives": True}
     kind = {"modelIdentifier": interface.name} | {name: text_of(value) for name, value in flags.items()}
     ET.SubElement(root, "CoSimulation", kind)
     unit_definitions(root, {"s": set(), **shown_units(interface)})  # s is that of time
@@ -77,7 +80,8 @@ def build_description(interface: Interface, sources: list[str]) -> bytes:
     """buildDescription.xml: how to compile the C files in sources/."""
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
     configuration = ET.SubElement(root, "BuildConfiguration", modelIdentifier=interface.name)
-    files = ET.SubElement(configuration, "SourceFileSet", language="C11")
+    language = "C++20" if any(name.endswith(".cpp") for name in sources) else "C11"
+    files = ET.SubElement(configuration, "SourceFileSet", language=language)
     for name in sources:
         ET.SubElement(files, "SourceFile", name=name)
     return xml_bytes(root)
@@ -110,9 +114,7 @@ def _variable(parent: ET.Element, variable: Variable, elements: tuple[Element, .
         attributes["unit"] = variable.units[variable.elements.index(elements[0])] or DIMENSIONLESS
         if variable.display_unit:
             attributes["displayUnit"] = variable.display_unit
-    for key, bound in {"min": variable.min, "max": variable.max}.items():
-        if bound is not None:
-            attributes[key] = text_of(float(bound) if variable.type == "real" else int(bound))
+    attributes |= sizes(variable, variable.elements.index(elements[0]))
     starts = [text_of(float(e.start) if variable.type == "real" else e.start) for e in elements if e.start is not None]
     if starts and variable.type != "string":
         attributes["start"] = " ".join(starts)

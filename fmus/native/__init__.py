@@ -18,6 +18,7 @@ from ..contents.description3 import build_description, model_description_3
 from ..contents.origin import origin
 from ..interface import Interface
 from .carried import collected
+from .derivatives import slopes
 from .generate import arrays, block_header, ports_header, table
 from .toolchain import (
     FLAGS,
@@ -67,7 +68,7 @@ def package(
         carried = collected([*headers, FREESTANDING])
     files = {f"sources/{name}": data for name, data in carried.items()}
     files |= common(interface, folder, licence, HOST, version)
-    c_files = [name for name in carried if name.endswith(".c")]
+    c_files = [name for name in carried if name.endswith((".c", ".cpp"))]
     if version == 2:
         files["modelDescription.xml"] = model_description(
             interface, guid, CAPABILITIES, tool, sources=c_files, origin=origin()
@@ -95,6 +96,7 @@ def lay_out(
     shells = [SHELL]
     if version == 3:
         files["arrays.c"] = arrays(interface)
+        files |= {"slopes.cpp": slopes(interface, folder / "native")} if interface.derivatives else {}
         shells.append(SHELL_3)
     files |= generated_sources(interface, folder) if generated is None else generated
     written = _written(files, generated_into)
@@ -107,7 +109,7 @@ def _written(files: dict[str, str], into: Path) -> list[Path]:
     """Writes generated files; returns the C sources among them."""
     for name, text in files.items():
         (into / name).write_text(text, "utf-8", newline="\n")
-    return [into / name for name in sorted(files) if name.endswith(".c")]
+    return [into / name for name in sorted(files) if name.endswith((".c", ".cpp"))]
 
 
 def sources(folder: Path) -> list[Path]:

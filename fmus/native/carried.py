@@ -23,7 +23,7 @@ def collected(folders: Iterable[Path], without: Collection[str] = ()) -> dict[st
     """
     files: dict[str, bytes] = {}
     for folder in folders:
-        for path in sorted(folder.rglob("*.[ch]")):
+        for path in sorted(path for path in folder.rglob("*") if path.suffix in (".c", ".cpp", ".h")):
             name = path.relative_to(folder).as_posix()
             if name in files:
                 raise InterfaceError(f"{path}: another file of the block's sources has the name {name}")
@@ -33,7 +33,7 @@ def collected(folders: Iterable[Path], without: Collection[str] = ()) -> dict[st
 
 
 def _reached(files: Mapping[str, bytes]) -> dict[str, bytes]:
-    reached, open_ = set(), [name for name in files if name.endswith(".c")]
+    reached, open_ = set(), [name for name in files if name.endswith((".c", ".cpp"))]
     while open_:
         name = open_.pop()
         if name not in reached:

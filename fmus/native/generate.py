@@ -119,6 +119,7 @@ def identity(interface: Interface, guid: str, version: int = 2) -> str:
     """The part of block.h that says which FMU it is, of which version of FMI, and how long its tables are."""
     sizes = {"VARIABLES": len(interface.elements), "REAL_OUTPUTS": len(_real_outputs(interface))}
     head = f'#define BLOCK_GUID "{guid}"\n#define BLOCK_FMI {version}\n'
+    head += f"#define BLOCK_DERIVATIVES {int(version == 3 and interface.derivatives)}\n"
     return head + "\n".join(f"#define BLOCK_{key} {n}u" for key, n in sizes.items())
 
 

@@ -40,6 +40,14 @@ FLAGS = (
     *("-ffp-contract=off", "-fno-fast-math", "-fno-math-errno"),
     *("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wstrict-prototypes", "-Werror"),
 )
+_NOT_OF_CPP = {"-std=c11", "-Wpedantic", "-Wstrict-prototypes"}
+CPP_FLAGS = (
+    *("-x", "c++", "-std=c++20", "-nostdinc++", "-fno-exceptions", "-fno-rtti"),
+    *(flag for flag in FLAGS if flag not in _NOT_OF_CPP),
+    # What C allows and C++ does not warns; in the C it is checked by the C compiler.
+    *("-Wno-missing-field-initializers", "-Wno-missing-designated-field-initializers"),
+)
+"""Of a C++ file: the block's C with other numbers, without library and run-time."""
 FREESTANDING = Path(__file__).parent / "freestanding"
 """Stands in for the C library: headers, sin to expm1, memcpy to strcmp."""
 
@@ -166,9 +174,24 @@ def shared_library(name: str, platform_name: str, target: str, arguments: Sequen
     link = [argument.format(library=name) for argument in PLATFORMS[platform_name].link]
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder, name)
-        command = [compiler, "cc", "-target", target, *FLAGS, "-shared", "-s", *link, *arguments, "-o", library]
+        begin: list[str | Path] = [compiler, "cc", "-target", target]
+        inputs = _compiled_cpp(begin, arguments, Path(folder))
+        command = [*begin, *FLAGS, "-shared", "-s", *link, *inputs, "-o", library]
         run([str(argument) for argument in command], library)
         return library.read_bytes()
+
+
+def _compiled_cpp(begin: Sequence[str | Path], arguments: Sequence[str | Path], folder: Path) -> list[str | Path]:
+    """The arguments of a compiler of C with an object in the place of each C++ file. Raises CompilerError."""
+    made = []
+    for argument in arguments:
+        path = argument
+        if isinstance(path, Path) and path.suffix == ".cpp":
+            path = folder / f"{path.stem}.o"
+            includes = [each for each in arguments if str(each).startswith(("-I", "-ffreestanding"))]
+            run([str(each) for each in (*begin, "-c", *CPP_FLAGS, *includes, argument, "-o", path)], path)
+        made.append(path)
+    return made
 
 
 def run_program(sources: Sequence[Path], includes: Sequence[Path]) -> str:
@@ -233,7 +256,8 @@ def _with_system_compiler(name: str, sources: Sequence[Path], includes: Sequence
     with tempfile.TemporaryDirectory() as folder:
         library = Path(folder, name + PLATFORMS[host].suffix)
         paths = [f"-I{path}" for path in includes]
-        run([_system_compiler(), *FLAGS, *paths, "-shared", *map(str, sources), "-o", str(library), "-lm"], library)
+        inputs = _compiled_cpp([_system_compiler()], [*paths, *sources], Path(folder))
+        run([_system_compiler(), *FLAGS, "-shared", *map(str, inputs), "-o", str(library), "-lm"], library)
         return library.read_bytes()
 
 

@@ -203,14 +203,19 @@ class _Reader(Carried):
         texts = {v.name for v in self.model.variables.values() if v.type == "string"} | self.model.left_out.keys()
         left_out = [i for i, label in enumerate(labels) if label in texts]
         read = {i: label for i, label in enumerate(labels) if i and i not in left_out}
-        elements = {self._element(name, 1, label, causality): i for i, label in read.items()}
-        values = np.zeros((len(rows) - 1, len(rows[0])))
+        elements = {i: self._array(name, label, causality) for i, label in read.items()}
+        places = [Element("time", 0), *(element for array in elements.values() for element in array)]
+        values = np.zeros((len(rows) - 1, len(places)))
         for i, row in enumerate(rows[1:]):
             if len(row) != len(rows[0]):
                 raise self.located(name, i + 2, f"expected {len(rows[0])} values, found {len(row)}")
+            cells = [row[0].strip(), *(word for j, array in elements.items() for word in self._words(row[j], array))]
+            if len(cells) != len(places):
+                raise self.located(
+                    name, i + 2, f"expected {len(places)} values with those of arrays, found {len(cells)}"
+                )
             try:
-                for j, value in enumerate(row):
-                    values[i, j] = 0.0 if j in left_out else float(_NUMBERS.get(value.strip().lower(), value))
+                values[i] = [float(_NUMBERS.get(cell.lower(), cell)) for cell in cells]
             except ValueError as error:
                 raise self.located(name, i + 2, str(error)) from None
         if not np.isfinite(values).all():
@@ -218,8 +223,19 @@ class _Reader(Carried):
             raise self.located(name, at + 2, "expected finite numbers")
         if not (np.diff(values[:, 0]) >= 0.0).all() or values[0, 0] != 0.0 or values[-1, 0] == 0.0:
             raise self.located(name, 2, "expected times that begin at 0 and rise")
-        columns = {element: values[:, i] for element, i in elements.items()}
+        columns = {element: values[:, i] for i, element in enumerate(places) if i}
         return Table(f"{shown(self.path)}: {name}", values[:, 0], columns, tuple(labels[i] for i in left_out))
+
+    def _array(self, where: str, label: str, causality: str) -> list[Element]:
+        """The elements of a column: of FMI 3.0 an array's in one, with blanks between them."""
+        if label in self.model.variables and self.model.variables[label].shape:
+            self._element(where, 1, self.model.variables[label].label(0), causality)
+            return list(self.model.variables[label].elements)
+        return [self._element(where, 1, label, causality)]
+
+    @staticmethod
+    def _words(cell: str, array: list[Element]) -> list[str]:
+        return cell.split() if len(array) > 1 else [cell.strip()]
 
     def _element(self, where: str, line: int | None, name: str, causality: str) -> Element:
         if not hasattr(self, "_labels"):

@@ -13,6 +13,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
+from fmus.interface import SAMPLE_PERIOD
+
 from ..errors import InputError, writing
 from ..export.ssp import parameter_set, xml_bytes
 from ..export.system import Value
@@ -70,7 +72,11 @@ def write(
     }
     start = parameters_of(model, vector)
     step = float(f"{(table[-1, 0] - table[0, 0]) / (len(table) - 1):.12g}")
+    if SAMPLE_PERIOD in model.variables:  # a host that steps more finely gets the same outputs
+        start.setdefault(SAMPLE_PERIOD, step)
     time = np.array([float(f"{step * i:.12g}") for i in range(len(table))])
+    for element in (e for v in model.of("input") if v.type in TYPES for e in v.elements):
+        given.setdefault(element, np.full(len(time), float(model.starts.get(element, 0.0))))
     stimuli = Table(str(vector / "vector.csv"), time, given)
     played = [_play(path, model, time, stimuli, start) for path in (fmu, *others)]
     outputs = {
@@ -117,7 +123,7 @@ def _tolerance(values: Floats, others: Sequence[Floats]) -> float:
 
 
 def _csv(model: Model, time: Floats, columns: Mapping[Element, Floats], digits: int) -> bytes:
-    header = ["time", *(model.variables[e.variable].label(e.position) for e in columns)]
+    header = ["time", *(model.variables[e.variable].label(e.position).replace("][", ",") for e in columns)]
     rows = [
         [f"{instant:.12g}", *(f"{float(values[i]):.{digits}g}" for values in columns.values())]
         for i, instant in enumerate(time.tolist())

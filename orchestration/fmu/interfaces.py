@@ -135,6 +135,7 @@ def _variable(variable: Any) -> Variable:
         display_unit=_named(variable.display_unit) if variable.display_unit else None,
         minima=tuple(-float("inf") if variable.min is None else float(variable.min) for _ in limits),
         maxima=tuple(float("inf") if variable.max is None else float(variable.max) for _ in limits),
+        nominal=min(nominal or 1.0 for nominal in variable.nominals),
         items=tuple((item, number) for number, item in enumerate(variable.items, start=1)),
         description=variable.description,
         optional=variable.optional,

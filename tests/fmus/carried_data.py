@@ -20,9 +20,16 @@ from fmus.interface import Interface
 KINDS = {"integer": ("Integer", "Int32"), "enumeration": ("Integer", "Int64"), "boolean": ("Boolean", "Boolean")}
 
 
-def rows(folder: Path, name: str) -> list[dict[str, float]]:
+def rows(folder: Path, name: str, interface: Interface) -> list[dict[str, float]]:
+    """The rows of a table by the names of elements: of FMI 3.0, a column is an array."""
+
+    def elements(name: str, cell: str) -> list[tuple[str, float]]:
+        arrays = interface.variables
+        names = [e.name for e in arrays[name].elements] if name in arrays else [name]
+        return list(zip(names, map(float, cell.split()), strict=True))
+
     with (folder / FOLDER / name).open(newline="") as file:
-        return [{key.replace("][", ","): float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        return [dict(pair for item in row.items() for pair in elements(*item)) for row in csv.DictReader(file)]
 
 
 def start_values(folder: Path) -> dict[str, str]:
@@ -77,7 +84,7 @@ def _played(folder: Path, interface: Interface) -> np.ndarray:
         for name in touched:
             call("set", name, values[name])
 
-    given, columns = rows(folder, "inputs.csv"), list(rows(folder, "outputs.csv")[0])[1:]
+    given, columns = rows(folder, "inputs.csv", interface), list(rows(folder, "outputs.csv", interface)[0])[1:]
     inputs = [{k: v for k, v in row.items() if k != "time"} for row in given]
 
     def outputs() -> list[float]:

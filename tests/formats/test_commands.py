@@ -108,7 +108,10 @@ def test_a_goal_that_takes_no_attitude_is_refused(tmp_path, goal, message):
         (["FOLDER", "--to", "aem", "--attitude", "plant.R_BN"], "--attitude: plant.R_BN was not recorded"),
         (["FOLDER", "--to", "aem", "--attitude", "plant.omega_B"], "expected a matrix (3, 3) or a quaternion (4,)"),
         (["FOLDER", "--to", "aem", "--epoch", "2009-02-30T00:00:00"], "--epoch: expected a date of the calendar"),
-        (["FOLDER", "--to", "timeline"], "expected FILE.aem --to timeline --scenario SCENARIO --out FILE.yaml"),
+        (
+            ["FOLDER", "--to", "timeline"],
+            "expected FILE.aem --to timeline or reference --scenario SCENARIO --out FILE.yaml",
+        ),
     ],
 )
 def test_wrong_input_is_told_without_a_traceback(result, tmp_path, arguments, message):

@@ -77,12 +77,12 @@ def test_the_loop_flies_the_same_bits_with_blocks_of_either_version() -> None:
 
 @pytest.fixture
 def controller(tmp_path: Path) -> Iterator[FMU3Slave]:
-    it = _slave(three("controller"), tmp_path / "controller")
+    it = slave(three("controller"), tmp_path / "controller")
     yield it
     it.freeInstance()
 
 
-def _slave(fmu: Path, unpacked: Path) -> FMU3Slave:
+def slave(fmu: Path, unpacked: Path) -> FMU3Slave:
     extract(str(fmu), str(unpacked))
     about = read_model_description(str(unpacked))
     it = FMU3Slave(
@@ -160,7 +160,7 @@ def test_an_instance_of_another_type_or_token_is_refused(tmp_path: Path, capfd: 
 
 
 def test_two_instances_live_side_by_side(tmp_path: Path) -> None:
-    one, two = (_slave(three("controller"), tmp_path / name) for name in ("one", "two"))
+    one, two = (slave(three("controller"), tmp_path / name) for name in ("one", "two"))
     for it, value in ((one, 0.01), (two, 0.02)):
         it.setFloat64([it.at["omega_B"]], [value, 0.0, 0.0])
     assert one.getFloat64([one.at["omega_B"]], nValues=3) == [0.01, 0.0, 0.0]

@@ -1,6 +1,6 @@
 """Every shipped scenario leaves: as a container, and as an archive that a plain C host flies with our bits.
 
-The whole flights, and what differs where a host steps all blocks at once: python -m tests.tools.exchanges.
+What differs where a host steps all blocks at once, and in other tools: python -m tests.tools.exchanges.
 """
 
 from __future__ import annotations
@@ -18,13 +18,11 @@ from orchestration import load
 from orchestration.errors import InputError
 
 from .archives import validate
-from .exchanges import SCENARIOS, compared, plain
+from .exchanges import SCENARIOS, SOON, compared, plain
 from .sequential import flown
 
 pytestmark = pytest.mark.thorough
 
-SOON = {"fault_failed_rod": 40.0, "fault_lost_magnetometer": 100.0, "fault_stuck_wheel": 110.0}
-"""How long is flown, s, so that the fault is in it."""
 ROOT = Path(__file__).parents[2]
 
 
@@ -34,6 +32,15 @@ def test_a_plain_c_host_flies_the_exported_scenario_with_our_bits(path: Path, tm
     scenario = plain(path, SOON.get(path.stem, 40.0))
     assert all(difference.max() == 0.0 for difference in compared(scenario, tmp_path).values())
     validate(tmp_path / f"{scenario.name}.ssp")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the host is written for Linux")
+@pytest.mark.parametrize("name", ["flight_vb", "flight_estimated"])
+def test_planned_loops_fly_alike_in_fmpy_libcosim_ecos_and_the_c_host_that_steps_all_at_once(name: str) -> None:
+    _, seconds, in_order, at_once, *tools = in_tools(ROOT / "scenarios" / f"{name}.yaml", 10.0)
+    assert (seconds, in_order) == ("10", "0")
+    assert float(at_once) > 1e-6
+    assert all(float(difference) < 1e-9 for difference in tools), tools
 
 
 def test_a_container_of_a_scenario_with_faults_has_our_bits(tmp_path: Path) -> None:

@@ -19,7 +19,8 @@ static bool errors_of(const ControllerWheelsLaw *law, double t, const Controller
     const Matrix R = matrix(u->R_NB);
     Reference reference;
     for (int i = 0; i < WHEELS_MAX; ++i) {
-        if (!all_finite(&(Named){names[i], u->h_w[i]}, 1, f)) {
+        const Named h_w = {names[i], u->h_w[i]};
+        if (!all_finite(&h_w, 1, f)) {
             return false;
         }
     }

@@ -35,9 +35,9 @@ static inline bool is_reference(int32_t reference, Fault *f)
 /* Whether R_d0 and Omega_d0 give an attitude and a rate. */
 static inline bool is_reference_start(const double R_d0[3][3], const double Omega_d0[3], Fault *f)
 {
-    return all_finite_vectors(&(NamedVector){"Omega_d0", vector(Omega_d0)}, 1, f) &&
-           is_rotation(matrix(R_d0), REFERENCE_PARAMETER_TOLERANCE, "R_d0",
-                       "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001", f);
+    const NamedVector rate = {"Omega_d0", vector(Omega_d0)};
+    return all_finite_vectors(&rate, 1, f) && is_rotation(matrix(R_d0), REFERENCE_PARAMETER_TOLERANCE, "R_d0",
+                                                          "a rotation matrix, max |R_d0^T R_d0 - I| at most 0.001", f);
 }
 
 /* Whether R_NB is an attitude. */

@@ -32,6 +32,9 @@
 #if defined(__ELF__)
 #pragma GCC visibility push(hidden)
 #endif
+#ifdef __cplusplus
+extern "C" {
+#endif
 double sin(double x);
 double cos(double x);
 double atan2(double y, double x);
@@ -39,6 +42,9 @@ double log(double x);
 double log1p(double x);
 double exp(double x);
 double expm1(double x);
+#ifdef __cplusplus
+}
+#endif
 #if defined(__ELF__)
 #pragma GCC visibility pop
 #endif

@@ -56,4 +56,15 @@ enum { TIME = BLOCK_VARIABLES }; /* the value reference of the independent varia
 /* The instance, which from here on calls the function by this name in its messages; NULL of NULL. */
 Instance *called(fmi3Instance instance, const char *function);
 
+/* The references of all elements of these variables, in their order; NULL where something is wrong. */
+Instance *elements(fmi3Instance instance, const char *function, const fmi3ValueReference references[], size_t n,
+                   ArrayType type, const void *values, size_t n_values, fmi2ValueReference all[BLOCK_VARIABLES]);
+
+#if BLOCK_DERIVATIVES
+/* The derivatives of the outputs along `seeds`, by value references, where block_outputs succeeds; state NULL: in
+ * initialization. Generated (fmus/native/derivatives.py). */
+void block_slopes(const double values[BLOCK_VARIABLES], const double seeds[BLOCK_VARIABLES], const State *state,
+                  double slopes[BLOCK_VARIABLES]);
+#endif
+
 #endif

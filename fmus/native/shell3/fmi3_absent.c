@@ -162,6 +162,7 @@ FMI3_EXPORT fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueRefe
     return absent(c, "fmi3GetVariableDependencies", 1);
 }
 
+#if !BLOCK_DERIVATIVES
 #define NO_DERIVATIVE(name)                                                                                            \
     FMI3_EXPORT fmi3Status name(fmi3Instance c, const fmi3ValueReference unknowns[], size_t n_unknowns,                \
                                 const fmi3ValueReference knowns[], size_t n_knowns, const fmi3Float64 seed[],          \
@@ -174,6 +175,7 @@ FMI3_EXPORT fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueRefe
 
 NO_DERIVATIVE(fmi3GetDirectionalDerivative)
 NO_DERIVATIVE(fmi3GetAdjointDerivative)
+#endif
 
 static fmi3Instance no_type(fmi3InstanceEnvironment environment, fmi3LogMessageCallback log)
 {

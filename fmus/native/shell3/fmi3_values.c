@@ -24,9 +24,8 @@ static size_t size_at(const Instance *c, fmi3ValueReference reference, ArrayType
     return arrays[reference].size;
 }
 
-/* The references of all elements, in their order; NULL where something is wrong. */
-static Instance *elements(fmi3Instance instance, const char *function, const fmi3ValueReference references[], size_t n,
-                          ArrayType type, const void *values, size_t n_values, fmi2ValueReference all[BLOCK_VARIABLES])
+Instance *elements(fmi3Instance instance, const char *function, const fmi3ValueReference references[], size_t n,
+                   ArrayType type, const void *values, size_t n_values, fmi2ValueReference all[BLOCK_VARIABLES])
 {
     Instance *c = called(instance, function);
     size_t found = 0;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import tomllib
 import xml.etree.ElementTree as ET
 from dataclasses import asdict
@@ -13,7 +14,9 @@ from fmpy.validation import validate_fmu
 
 from fmus.build import ensure
 from fmus.contents.description import Capabilities, model_description
-from fmus.interface import BLOCKS, Interface, load
+from fmus.contents.references import kept_in
+from fmus.interface import ABSENT_MIN, BLOCKS, Interface, InterfaceError, load, parse
+from tests.blocks import folder
 
 ROOT = Path(__file__).parents[3]
 
@@ -46,7 +49,9 @@ def test_the_xml_that_fmpy_reads_is_the_interface(built_fmus: dict[str, Path], b
         own = variable.units[variable.elements.index(element)]
         assert found.unit == ((own or "1") if variable.type == "real" else None)
         assert found.displayUnit == variable.display_unit
-        assert [b if b is None else float(b) for b in (found.min, found.max)] == [variable.min, variable.max]
+        nominal = variable.nominals[variable.elements.index(element)]
+        stated = [size if size is None else float(size) for size in (found.min, found.max, found.nominal)]
+        assert stated == [variable.min, variable.max, nominal]
         if variable.type == "enumeration":
             assert tuple(item.name for item in found.declaredType.items) == variable.items
             assert [item.value for item in found.declaredType.items] == [str(i + 1) for i in range(len(variable.items))]
@@ -59,6 +64,29 @@ def test_the_xml_that_fmpy_reads_is_the_interface(built_fmus: dict[str, Path], b
     assert read.defaultExperiment is not None
     assert float(read.defaultExperiment.stopTime) == interface.stop
     assert float(read.defaultExperiment.stepSize) == interface.step
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_no_value_of_the_reference_data_is_far_above_its_variable_s_nominal_value(block: str) -> None:
+    """Tools scale residuals and steps by it: without one, a position of 7e6 m stands where 1 is expected."""
+    interface = load(block)
+    tables = [path for path in kept_in(interface, folder(block)) if path.suffix == ".csv"]
+    assert len(tables) == 2
+    for path in tables:
+        for name, *cells in zip(*csv.reader(path.read_text("utf-8").splitlines()), strict=True):
+            variable, element = interface.elements.get(name, (None, None))
+            if variable is not None and variable.type == "real":
+                largest = max((abs(x) for x in map(float, cells) if abs(x) < ABSENT_MIN), default=0.0)
+                assert largest <= 1000.0 * (variable.nominals[variable.elements.index(element)] or 1.0), name
+
+
+@pytest.mark.parametrize(
+    "line", ["nominal = 0.0", "nominal = -1.0", "nominal = inf", "nominal = [1.0, 2.0]", 'nominal = "1 km"']
+)
+def test_a_nominal_value_that_is_no_size_is_refused_by_name(line: str) -> None:
+    text = load("controller").source.replace("nominal = 7e6", line, 1)
+    with pytest.raises(InterfaceError, match=r"controller.toml: variables.r_N: nominal: expected"):
+        parse(text, "controller.toml")
 
 
 @pytest.mark.parametrize("block", BLOCKS)

@@ -1,6 +1,15 @@
 from fmpy.ssp import simulation
 
-plain = simulation.instantiate_fmu
+plain, set_plain = simulation.instantiate_fmu, simulation.set_value
+
+
+def set_value(component, name, value):
+    """FMPy sets no text, and takes "false" for true."""
+    variable = component.variables[name]
+    if variable.type == "String":
+        component.fmu.setString([variable.valueReference], [value])
+    else:
+        set_plain(component, name, {"true": 1, "false": 0}.get(value, value))
 
 
 def instantiate(component, folder, start, stop=None, given=None):
@@ -13,7 +22,7 @@ def instantiate(component, folder, start, stop=None, given=None):
         connector.value = simulation.get_value(component, connector.name)
 
 
-simulation.instantiate_fmu = instantiate
+simulation.instantiate_fmu, simulation.set_value = instantiate, set_value
 step = 0.1
 result = simulation.simulate_ssp("adcs.ssp", stop_time=120, step_size=step)
 time, error = result["time"] + step, result["controller.attitude_error"]
