@@ -49,6 +49,7 @@ def moving(scenario: Path, out: Path, times: Floats, q: Floats, place: Place) ->
         "extends": str(Path(scenario).resolve()),
         "name": out.stem,
         "duration": f"{steps[-1] * loaded.step:.10g} s",
+        "expect": [],  # those of the scenario are about another reference
         "blocks": {BLOCK: {"telemetry": _telemetry(f"{out.stem}.csv", header, loaded)}},
         "connections": _connections(loaded, place),
     }
@@ -82,7 +83,14 @@ def _connections(loaded: Scenario, place: Place) -> list[str]:
         expected = "a block with the inputs R_ref, Omega_ref and dOmega_ref"
         raise InputError(Problem(expected=expected, found="none", place=Place("--scenario")))
     kept = [text for text in loaded.source.data.get("connections", []) if _target(text) not in takes]
-    return [*kept, *(f"{source} -> {target}" for target, source in takes.items() if source)]
+    wires = [(source, target) for target, source in takes.items() if source]
+    for source, target in wires:
+        matrix = source.endswith(".R_ref")  # a port of a record is a vector
+        pairs = (
+            [(f"[{3 * i + j + 1}]", f"[{i + 1},{j + 1}]") for i in range(3) for j in range(3)] if matrix else [("", "")]
+        )
+        kept += [f"{source}{one} -> {target}{other}" for one, other in pairs]
+    return kept
 
 
 def _source(port: str) -> str:

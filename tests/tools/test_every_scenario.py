@@ -18,7 +18,7 @@ from orchestration import load
 from orchestration.errors import InputError
 
 from .archives import validate
-from .exchanges import SCENARIOS, SOON, compared, plain
+from .exchanges import SCENARIOS, SOON, compared, in_tools, plain
 from .sequential import flown
 
 pytestmark = pytest.mark.thorough

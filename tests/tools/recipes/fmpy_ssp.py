@@ -14,10 +14,10 @@ def set_value(component, name, value):
 
 def instantiate(component, folder, start, stop=None, given=None):
     """FMPy ignores the parameter sets of an SSP, and gives every input 0 in the first step."""
-    for values in component.parameterBindings[0].parameterValues:
-        for parameter in values.parameters:
-            parameter.name = f"{component.name}.{parameter.name}"
-        plain(component, folder, start, stop, values)
+    sets = [values for binding in component.parameterBindings for values in binding.parameterValues]
+    for parameter in (each for values in sets for each in values.parameters):
+        parameter.name = f"{component.name}.{parameter.name}"
+    plain(component, folder, start, stop, *sets)
     for connector in component.connectors:
         connector.value = simulation.get_value(component, connector.name)
 
