@@ -211,8 +211,7 @@ def by_tracker(x: Bank, R_NB: Floats, axes: Floats, variance: Floats, noise: Noi
 
 def by_light(x: Bank, currents: Floats, faces: Faces, sun_N: Floats, r_N: Floats, noise: Noise) -> None:
     """With currents (m,) in sunlight: each is full (max(0, n.s) + Earth's light), a scalar at a time."""
-    size = float(np.linalg.norm(r_N))
-    lit = faces.albedo * (EARTH_RADIUS / size) ** 2 * max(0.0, float(r_N @ sun_N) / size)
+    size, lit = float(np.linalg.norm(r_N)), float(earths_light(faces.albedo, r_N, sun_N))
     for n, full, current in zip(faces.normals, faces.full, currents, strict=True):
         if not n.any() or not np.isfinite(current):
             continue
@@ -222,6 +221,13 @@ def by_light(x: Bank, currents: Floats, faces: Faces, sun_N: Floats, r_N: Floats
         expected = np.where(seen, cosine, 0.0) + lit * (0.5 * (1.0 + down)) ** 2
         slope = np.where(seen[:, None], np.cross(n, s), 0.0) + (lit * 0.5 * (1.0 + down))[:, None] * np.cross(n, nadir)
         _corrected(x, (current / full - expected)[:, None], slope[:, None, :], np.array([noise.light**2]), noise.gate)
+
+
+def earths_light(albedo: float, r_N: Floats, sun_N: Floats) -> Floats:
+    """Returns the Earth's light on a face to nadir at r_N (...,3), m, as part of the Sun's with its direction
+    (...,3)."""
+    size = np.linalg.norm(r_N, axis=-1)
+    return np.asarray(albedo * (EARTH_RADIUS / size) ** 2 * np.maximum(0.0, (r_N * sun_N).sum(axis=-1) / size))
 
 
 def _corrected(x: Bank, y: Floats, H: Floats, variance: Floats, gate: float) -> Floats:

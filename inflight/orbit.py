@@ -52,6 +52,11 @@ class Orbit:
     """Days between the element set and the middle of the instants."""
 
     @property
+    def utc(self) -> str:
+        """The epoch as text."""
+        return f"{self.epoch:%Y-%m-%dT%H:%M:%S.%f}".rstrip("0").rstrip(".") + "Z"
+
+    @property
     def gmst(self) -> Floats:
         """(n,) rad"""
         return gmst(self.epoch) + EARTH_RATE * self.t
@@ -169,10 +174,9 @@ def followed(orbit: Orbit) -> tuple[dict[str, Any], str]:
     found = least_squares(off, wanted[0] / scale, x_scale=1e-3 * np.abs(wanted).max(axis=0) / scale)
     r, v = 1e3 * found.x[:3], found.x[3:]
     left = np.linalg.norm(found.fun.reshape(-1, 6)[:, :3], axis=1)
-    epoch = f"{orbit.epoch:%Y-%m-%dT%H:%M:%S.%f}".rstrip("0").rstrip(".") + "Z"
     start = {"orbit_start": "position_velocity", "r_N0": r.tolist(), "v_N0": v.tolist(), "j2_node_drift": True}
     return start | {
-        "epoch": epoch
+        "epoch": orbit.utc
     }, f"its orbit follows that of SGP4 within {max(left.max(), 0.05):.1f} km over {t[-1]:.10g} s"
 
 

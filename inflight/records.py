@@ -101,6 +101,8 @@ def flight(name: str, record: Record, rows: Floats, sets: list[Any]) -> Flight:
     whole = np.isfinite(np.hstack((columns["omega_B_measured"], columns["b_B_measured"]))).all(axis=1)
     if whole.sum() < 10:
         raise InputError(f"expected at least 10 rows with rate and field, found {whole.sum()}")
+    if not np.ptp(columns["b_B_measured"][whole], axis=0).any():
+        raise InputError("b_B_measured: expected a field that changes, found the same in all rows")
     t = rows[whole, 0]
     orbit = orbit_at(sets, instant(record.seen.first), t)
     currents = columns.get("sun_currents", np.empty((len(rows), 0)))[whole]

@@ -5,6 +5,7 @@ The estimator starts from nothing, by its bank; gyro bias and scale are its own.
 from __future__ import annotations
 
 import csv
+import math
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -17,7 +18,7 @@ from inflight.magnetometer import Calibration
 from inflight.records import Flight
 from orchestration import run
 
-from .records import COLUMNS
+from .records import COLUMNS, TIME
 
 TESLA = 1e-7
 """Of the columns' unit, mG."""
@@ -37,12 +38,12 @@ def scenario(file: Path, orbit: Path, flight: Flight, calibration: Calibration, 
     return {
         "name": "flight_data",
         "step": 1.0,
-        "duration": float(flight.t[-1]),
+        "duration": math.ceil(flight.t[-1]),
         "blocks": {
             "sensors": {
                 "telemetry": {
                     "file": str(file),
-                    "time": {"column": "unix_s", "scale": "UTC"},
+                    "time": TIME,
                     "columns": {"omega_B_measured": COLUMNS["omega_B_measured"], "b_B_measured": field},
                 }
             },
@@ -50,7 +51,7 @@ def scenario(file: Path, orbit: Path, flight: Flight, calibration: Calibration, 
             "estimator": {
                 "fmu": "estimator",
                 "start": {
-                    "epoch": f"{flight.orbit.epoch:%Y-%m-%dT%H:%M:%SZ}",
+                    "epoch": flight.orbit.utc,
                     "field_noise": noise.field,
                     "field_degree": 13,
                     "angle_random_walk": noise.angle,

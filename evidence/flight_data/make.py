@@ -39,10 +39,9 @@ class Study:
     shown: list[Shown]
     flown: list[Attitudes]
     """By the shipped estimator in C, with what the calibrations wrote"""
-    full: float
     free: Free | None
-    halves: list[Shown]
-    """Each half of each record, calibrated by itself"""
+    cuts: list[Shown]
+    """Parts of each record, calibrated by themselves"""
     third: Free | None
     """By every third of the short records"""
     spins: dict[str, list[spins.Case]]
@@ -54,19 +53,18 @@ def study(folder: Path, cases: int, jobs: int, split: bool) -> Study:
     flown, short = records(folder, LONG)
     if not flown and not short:
         raise InputError(f"--data {folder}: expected records with rates and field, found none")
-    full = max((float(np.nanmax(f.currents)) for f in flown), default=0.0)
     own = [calibrate(f.t, f.m, np.linalg.norm(f.orbit.field_N(), axis=1), breaks=borders(f.orbit)) for f in flown]
     shown = []
     for i, flight in enumerate(flown):
         others = [k for k in range(len(flown)) if k != i]
-        shown.append(long_record(flight, [own[k] for k in others], [flown[k].name for k in others], full, Noise()))
+        shown.append(long_record(flight, [own[k] for k in others], [flown[k].name for k in others], Noise()))
     through = [
         through_the_estimator(folder / f"{s.flight.name}.csv", s.flight, symmetric(s.calibration), Noise())
         for s in shown
     ]
-    parts = halves(flown, full) if split else []
+    parts = cuts(flown) if split else []
     third = free_motion(short[1::3]) if split else None
-    return Study(shown, through, full, free_motion(short), parts, third, spun(cases, jobs) if cases else {})
+    return Study(shown, through, free_motion(short), parts, third, spun(cases, jobs) if cases else {})
 
 
 def spun(cases: int, jobs: int) -> dict[str, list[spins.Case]]:
@@ -92,14 +90,23 @@ def of_spins(done: dict[str, list[spins.Case]]) -> list[str]:
     return out
 
 
-def halves(flown: Sequence[Flight], full: float) -> list[Shown]:
-    """What each half of each record shows, as if it were all that there is."""
+CUTS = {
+    "first half": (0, 1 / 2),
+    "second half": (1 / 2, 1),
+    "first two thirds": (0, 2 / 3),
+    "last two thirds": (1 / 3, 1),
+}
+
+
+def cuts(flown: Sequence[Flight]) -> list[Shown]:
+    """What parts of each record show, as if they were all that there is."""
     found = []
     for flight in flown:
-        early = flight.t < 0.5 * (flight.t[0] + flight.t[-1])
-        for half, name in ((early, "first half"), (~early, "second half")):
-            part = replace(flight.part(half), name=f"{flight.name}, {name}")
-            found.append(long_record(part, [], [], full, Noise()))
+        for name, (begin, end) in CUTS.items():
+            first, length = flight.t[0], float(np.ptp(flight.t))
+            chosen = (flight.t >= first + begin * length) & (flight.t <= first + end * length)
+            part = replace(flight.part(chosen), name=f"{flight.name}, {name}")
+            found.append(long_record(part, [], [], Noise()))
     return found
 
 
@@ -120,9 +127,10 @@ def _of_record(s: Shown) -> list[str]:
     )
     for seen, what in ((s.sky, "three faces"), (s.pair, "two faces, about the third")):
         if seen is not None:
+            common = f", {seen.common:.2f} deg of it a turn common to all" if np.isfinite(seen.common) else ""
             out.append(
                 f"{name}: withheld sun sensors, {what}: {seen.rms:.2f} deg rms, {seen.median:.2f} median, "
-                f"{seen.rows} rows"
+                f"{seen.rows} rows{common}"
             )
     if s.sky is None and s.pair is None:
         out.append(f"{name}: no row whose sun sensors can be compared")
@@ -144,8 +152,8 @@ def _of_flown(done: Study) -> list[str]:
     out = []
     for s, found in zip(done.shown, done.flown, strict=True):
         for seen, what in (
-            (sky(s.flight, found, done.full)[0], "three faces"),
-            (pair(s.flight, found, done.full), "two faces"),
+            (sky(s.flight, found)[0], "three faces"),
+            (pair(s.flight, found), "two faces"),
         ):
             if seen is not None:
                 out.append(
@@ -179,14 +187,15 @@ def figure(done: Study) -> Any:
         minutes, name = s.flight.t / 60.0, s.flight.name
         gain.plot(s.calibration.knots / 60.0, s.calibration.gain, "o-", color=colour, markersize=3, label=name)
         size.plot(minutes, 1e6 * s.calibration.residual, ".", color=colour, markersize=1.2)
-        _, error, on = sky(s.flight, s.attitude, done.full)
+        _, error, on = sky(s.flight, s.attitude)
         witness.plot(minutes[on], error[on], ".", color=colour, markersize=3)
         ambiguity.plot(minutes, np.degrees(s.attitude.ambiguity), color=colour, linewidth=1.0)
     name_axes(gain, "min", "gain", "Common gain of the magnetometer")
     name_axes(size, "min", "uT", "|B| as calibrated less that of IGRF")
     name_axes(witness, "min", "deg", "Sun sensors, withheld, against the attitude")
     name_axes(ambiguity, "min", "deg", "Angle to the farthest attitude not excluded")
-    gain.legend(fontsize=7)
+    if done.shown:
+        gain.legend(fontsize=7)
     size.set_ylim(-3.0, 3.0)
     ambiguity.set_yscale("symlog", linthresh=1.0)
     return drawing
@@ -223,10 +232,7 @@ def fields(done: Study) -> dict[str, Any]:
     free = done.free
     told = of_spins(done.spins)
     parts = [(s.flight.name, both) for s in done.shown if (both := air_and_rest(s.edges)) is not None]
-    through = [
-        (sky(s.flight, a, done.full)[0], pair(s.flight, a, done.full))
-        for s, a in zip(done.shown, done.flown, strict=True)
-    ]
+    through = [(sky(s.flight, a)[0], pair(s.flight, a)) for s, a in zip(done.shown, done.flown, strict=True)]
     wrong = [spins.counted(cases)["wrong, not reported"] for cases in done.spins.values()]
     counts = [
         [what, *(str(n) for n in spins.counted(cases).values()), f"{spins.largest_trusted(cases):.1f}"]
@@ -236,7 +242,7 @@ def fields(done: Study) -> dict[str, Any]:
         "records": records_,
         "crossed": crossed,
         "shadow": shadow,
-        "halves": [_row(s) for s in done.halves],
+        "cuts": [_row(s) for s in done.cuts],
         "third": "" if done.third is None else _of_motion(replace(done, free=done.third))[1],
         "motion_lines": _of_motion(done),
         "counts": counts,
@@ -247,6 +253,8 @@ def fields(done: Study) -> dict[str, Any]:
         "bank_wrong": "none" if not sum(wrong[1:]) else str(sum(wrong[1:])),
         "quiet": [line for line in told if "deg off" in line],
         "parts": [f"{name}: air {air:.1f} s, the rest {rest:+.1f} s" for name, (air, rest) in parts],
+        "worst": f"{max((abs(edge.late_air) for s in done.shown for edge in s.edges), default=0.0):.1f}",
+        "common": next((f"{s.sky.common:.1f}" for s in done.shown if s.sky is not None), "-"),
         "air": " and ".join(f"{air:.1f}" for _, (air, _) in parts) or "-",
         "rest": " and ".join(f"{rest:+.1f}" for _, (_, rest) in parts) or "-",
         "forecast": "-" if free is None else f"{free.whole('forecast') / free.noise:.2f}",

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from estimator.bank import Noise, exp
+from estimator.bank import Noise, earths_light, exp
 from inflight.attitude import LIGHT, Attitudes, attitudes
 from inflight.magnetometer import Calibration, calibrate, symmetric
 from inflight.nutation import Inertia, Motion, forecast, identify, starting
@@ -24,8 +24,11 @@ Floats = NDArray[np.float64]
 
 LONG = 600.0
 """s; a record of at least this length is calibrated by itself."""
-LIT = 0.4
-"""A face sees the Sun where its current is above this part of the largest current of all records."""
+LIT = 0.25
+"""A face sees the Sun where its current, less that of the Earth's light, is above this part of the Sun's at normal
+incidence: the Earth gives about so much at most."""
+ALBEDO = 0.3
+"""Mean of the Earth."""
 AIR = 22e3
 """m by which the air makes the Earth's shadow larger; taken from an earlier look at these data."""
 FIT = 100.0
@@ -44,40 +47,56 @@ class Sky:
     rms: float
     median: float
     rows: int
+    common: float
+    """deg: the turn of the body that all rows have in common; NaN where one angle alone is compared"""
 
 
-def sun_by_currents(flight: Flight, full: float) -> tuple[NDArray[np.bool_], Floats]:
-    """Rows in full light whose three faces see the Sun, and the directions (n,3) in B by equal faces."""
-    on = (flight.currents > LIT * full).all(axis=1) & (flight.orbit.sunlight() > LIGHT)
-    toward = flight.currents @ NORMALS
-    return on, toward / np.maximum(np.linalg.norm(toward, axis=1), 1e-9)[:, None]
+def by_sun(flight: Flight, found: Attitudes) -> tuple[Floats, Floats]:
+    """The Sun's part of the currents (n,3), of that at normal incidence, NaN without light or a unique attitude; and
+    the model's direction to the Sun (n,3) in B.
+
+    All faces have one gain, the median of currents over those of the model where it sees the Sun well.
+    """
+    orbit, currents = flight.orbit, np.full((len(flight.t), 3), np.nan)
+    day = found.unique & (orbit.sunlight() > LIGHT)
+    if flight.currents.size:
+        currents[day] = flight.currents[day]
+    sun_N, size = orbit.sun_N(), np.linalg.norm(orbit.r_N, axis=1)[:, None]
+    sun_B, nadir_B = (np.einsum("nji,nj->ni", found.R, v) for v in (sun_N, -orbit.r_N / size))
+    earth = earths_light(ALBEDO, orbit.r_N, sun_N)[:, None] * (0.5 * (1.0 + nadir_B @ NORMALS.T)) ** 2
+    direct = sun_B @ NORMALS.T
+    seen = (direct > 0.5) & np.isfinite(currents)
+    gain = float(np.median(currents[seen] / (direct + earth)[seen])) if seen.any() else np.nan
+    return currents / gain - earth, sun_B
 
 
-def sky(flight: Flight, found: Attitudes, full: float) -> tuple[Sky | None, Floats, NDArray[np.bool_]]:
-    """The error on the sky where the attitude is unique; None without a row. Also the error, deg, of all such rows."""
-    on, measured = sun_by_currents(flight, full)
-    on &= found.unique
-    model = np.einsum("nji,nj->ni", found.R, flight.orbit.sun_N())
-    error = np.degrees(np.arccos(np.clip(np.einsum("ni,ni->n", measured, model), -1.0, 1.0)))
-    if not on.any():
-        return None, error, on
-    chosen = error[on]
-    return Sky(float(np.sqrt(np.mean(chosen**2))), float(np.median(chosen)), int(on.sum())), error, on
+def sky(flight: Flight, found: Attitudes) -> tuple[Sky | None, Floats, NDArray[np.bool_]]:
+    """The error on the sky where three faces see the Sun; None without a row. Also the error, deg, of all such rows."""
+    currents, sun_B = by_sun(flight, found)
+    on = np.asarray((currents > LIT).all(axis=1))
+    measured = np.where(on[:, None], currents, 1.0) @ NORMALS
+    measured /= np.linalg.norm(measured, axis=1)[:, None]
+    turn = np.cross(sun_B, measured)
+    error = np.degrees(np.arctan2(np.linalg.norm(turn, axis=1), np.einsum("ni,ni->n", measured, sun_B)))
+    return _of_errors(error[on], turn[on]), error, on
 
 
-def pair(flight: Flight, found: Attitudes, full: float) -> Sky | None:
+def pair(flight: Flight, found: Attitudes) -> Sky | None:
     """The same where two faces see the Sun and the third does not: of the angle about the third one's normal alone."""
-    on = (flight.currents > LIT * full) & (flight.orbit.sunlight() > LIGHT)[:, None]
-    rows = (on.sum(axis=1) == 2) & found.unique
-    if not rows.any():
+    currents, sun_B = by_sun(flight, found)
+    on = currents > LIT
+    rows = on.sum(axis=1) == 2
+    a, b = (np.where(on, v, 0.0)[rows] for v in (currents, sun_B @ NORMALS.T))
+    turn, size = np.cross(a, b), np.linalg.norm(b, axis=1)
+    error = np.degrees(np.arctan2(np.linalg.norm(turn, axis=1), np.einsum("ni,ni->n", a, b))) * size
+    return _of_errors(error, np.zeros((0, 3)))
+
+
+def _of_errors(error: Floats, turn: Floats) -> Sky | None:
+    if not len(error):
         return None
-    model = np.einsum("nji,nj->ni", found.R, flight.orbit.sun_N())[rows] @ NORMALS.T
-    current, dark = flight.currents[rows], ~on[rows]
-    a, b = np.where(dark, 0.0, current), np.where(dark, 0.0, model)
-    cross = np.linalg.norm(np.cross(a, b), axis=1)
-    size = np.linalg.norm(b, axis=1)
-    error = np.degrees(np.arctan2(cross, np.einsum("ni,ni->n", a, b))) * size
-    return Sky(float(np.sqrt(np.mean(error**2))), float(np.median(error)), int(rows.sum()))
+    common = float(np.degrees(np.linalg.norm(turn.mean(axis=0)))) if len(turn) else np.nan
+    return Sky(float(np.sqrt(np.mean(error**2))), float(np.median(error)), len(error), common)
 
 
 @dataclass(frozen=True)
@@ -98,12 +117,13 @@ def edges(flight: Flight, found: Attitudes) -> list[Edge]:
     best: an error of the attitude about the spin is no error of the time.
     """
     light, air, t = flight.orbit.sunlight(), flight.orbit.sunlight(AIR), flight.t
+    whole = np.isfinite(flight.currents).all(axis=1) & bool(flight.currents.size)
     axis = flight.omega.mean(axis=0)
     sun_B = np.einsum("nji,nj->ni", found.R, flight.orbit.sun_N())
     turns = exp(np.outer(np.radians(np.arange(-30.0, 31.0, 3.0)), axis / np.linalg.norm(axis)))
     out = []
     for i in np.flatnonzero(np.diff((light > 0.5).astype(int))):
-        near = (np.abs(t - t[i]) < 90.0) & found.unique
+        near = (np.abs(t - t[i]) < 90.0) & found.unique & whole
         if near.sum() < 60 or t[i] - t[0] < 90.0 or t[-1] - t[i] < 90.0:
             continue
         faces = [np.maximum(0.0, sun_B[near] @ turn.T @ NORMALS.T) for turn in turns]
@@ -152,7 +172,7 @@ class Shown:
     edges: list[Edge]
 
 
-def long_record(flight: Flight, others: list[Calibration], names: list[str], full: float, noise: Noise) -> Shown:
+def long_record(flight: Flight, others: list[Calibration], names: list[str], noise: Noise) -> Shown:
     """A record of its own calibration: field and gyro alone give the attitude, the Sun sensors are withheld."""
     field_N = flight.orbit.field_N()
     size = np.linalg.norm(field_N, axis=1)
@@ -169,8 +189,8 @@ def long_record(flight: Flight, others: list[Calibration], names: list[str], ful
         constant,
         crossed,
         found,
-        sky(flight, found, full)[0],
-        pair(flight, found, full),
+        sky(flight, found)[0],
+        pair(flight, found),
         edges(flight, found),
     )
 

@@ -9,7 +9,7 @@ import pytest
 
 from evidence.flight_data.records import records
 from evidence.flight_data.study import edges, pair, sky
-from evidence.flight_data.synthetic import FACES, spinning
+from evidence.flight_data.synthetic import spinning
 from inflight.attitude import Attitudes
 from orchestration.errors import InputError
 from tests.inflight.test_orbit import TLE
@@ -26,7 +26,7 @@ def flown():
 
 def test_true_attitudes_agree_with_the_sun_sensors_within_their_noise(flown):
     flight, found = flown
-    seen = [s for s in (sky(flight, found, FACES.full[0])[0], pair(flight, found, FACES.full[0])) if s is not None]
+    seen = [s for s in (sky(flight, found)[0], pair(flight, found)) if s is not None]
     assert seen
     assert max(s.rms for s in seen) < 3.0
 
@@ -35,7 +35,7 @@ def test_a_turned_attitude_is_as_far_off_as_it_was_turned(flown):
     flight, found = flown
     c, s = np.cos(0.2), np.sin(0.2)
     turned = replace(found, R=found.R @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]]))
-    seen = [s for s in (sky(flight, turned, FACES.full[0])[0], pair(flight, turned, FACES.full[0])) if s is not None]
+    seen = [s for s in (sky(flight, turned)[0], pair(flight, turned)) if s is not None]
     assert max(s.rms for s in seen) > 5.0
 
 
