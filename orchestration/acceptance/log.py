@@ -79,7 +79,9 @@ def against_log(fmu: Path, fitted: Fit, interface: str, path: Path, tolerance: f
         raise InputError(source.error(("telemetry", "columns"), "expected an output with a value, found none"))
     start: dict[str, Any] = {str(name): value for name, value in log.start.items()}
     time: Floats = step * np.arange(count, dtype=np.float64)
-    return compared(fmu, fitted, interface, time, inputs, expected, start, dict.fromkeys(expected, tolerance), "log")
+    tolerances = dict.fromkeys(expected, tolerance)
+    with source.naming(("telemetry", "columns")):
+        return compared(fmu, fitted, interface, time, inputs, expected, start, tolerances, "log")
 
 
 def _in_unit(values: Floats, port: Variable, entry: Telemetry, name: str, source: Source) -> Floats:

@@ -195,7 +195,11 @@ def _without_inputs(scenario: Scenario) -> tuple[Scenario, list[str]]:
 
 def _of_records(scenario: Scenario, fmus: dict[str, Fmu]) -> list[str]:
     records = {name: entry.telemetry for name, entry in scenario.blocks.items() if entry.telemetry is not None}
-    return [f"{name}: {note}" for name, record in records.items() for note in notes_of(fmus[name].path, record.file)]
+    return [
+        f"{name}: {note}"
+        for name, record in records.items()
+        for note in notes_of(fmus[name].path, record.file, scenario.duration)
+    ]
 
 
 def locate(fmu: str, folder: Path, flavour: str, here: bool = True) -> Path:

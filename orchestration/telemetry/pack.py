@@ -71,13 +71,14 @@ def fmu_of(entry: Telemetry, path: Path) -> Path:
     return target
 
 
-def notes_of(fmu: Path, file: str) -> list[str]:
-    """Returns what a user should know of a record whose FMU this is."""
+def notes_of(fmu: Path, file: str, duration: float) -> list[str]:
+    """Returns what a user of a run of this duration, s, should know of a record whose FMU this is."""
     data = json.loads(fmu.with_suffix(".json").read_text("utf-8"))
     utc = data.pop("utc")
     seen = Seen(**data)
     begins = f"{file}: {seen.rows} rows to {seen.last:.10g} s" + (f", t = 0 is {utc}" if utc else "")
-    return ["; ".join([begins, *seen.notes()])]
+    late = [f"the first row is at {seen.begin:.10g} s, after the run"] if seen.begin > duration else []
+    return ["; ".join([begins, *late, *seen.notes()])]
 
 
 def _about(description: str, name: str, columns: list[str]) -> str:

@@ -30,8 +30,9 @@ class Seen:
     rows: int = 0
     first: float = np.nan
     """TAI s of t = 0."""
+    begin: float = np.nan
     last: float = np.nan
-    """s from t = 0, of the last row."""
+    """s from t = 0, of the first and the last row."""
     repeated: list[int] = field(default_factory=list)
     """Lines of rows that repeat an instant."""
     disordered: list[int] = field(default_factory=list)
@@ -142,6 +143,7 @@ class Record:
             at += size
         self.seen.rows += len(table)
         if len(table):
+            self.seen.begin = float(table[0, 0]) if np.isnan(self.seen.begin) else self.seen.begin
             self.seen.last = float(table[-1, 0])
         return table
 

@@ -35,9 +35,11 @@ class Header:
     """How many columns there are."""
     twice: frozenset[str]
     """Names of several columns."""
+    delimiter: str = ","
+    """Between the cells of a CSV file."""
 
     @classmethod
-    def of(cls, file: str, line: int, cells: Sequence[str]) -> Header:
+    def of(cls, file: str, line: int, cells: Sequence[str], delimiter: str = ",") -> Header:
         places: dict[str, int] = {}
         units: dict[str, str] = {}
         twice: set[str] = set()
@@ -47,7 +49,7 @@ class Header:
             twice |= {text for text in (cell.strip(), name) if places.setdefault(text, i) != i}
             if match:
                 units[name] = units[cell.strip()] = match[2]
-        return cls(file, line, places, units, len(cells), frozenset(twice))
+        return cls(file, line, places, units, len(cells), frozenset(twice), delimiter)
 
     def place(self, name: str) -> int:
         """Raises InputError where there is no such column, or more than one."""
@@ -81,7 +83,9 @@ def header_of(path: Path, shown: str) -> Header:
         with path.open(newline="", encoding="utf-8-sig") as file:
             for cells in (reader := _reader(file)):
                 if cells:
-                    return Header.of(shown, reader.line_num, cells)
+                    other = next((d for d in ";\t" if len(cells) == 1 and d in cells[0]), None)
+                    cells = next(csv.reader(cells, delimiter=other)) if other else cells
+                    return Header.of(shown, reader.line_num, cells, other or ",")
     except OSError as error:
         raise InputError(f"{shown} cannot be read: {reason(error)}") from None
     except (UnicodeDecodeError, csv.Error) as error:
@@ -89,9 +93,9 @@ def header_of(path: Path, shown: str) -> Header:
     raise InputError(f"{shown}: expected a header and rows, found nothing")
 
 
-def _reader(file: Iterable[str]) -> Any:
+def _reader(file: Iterable[str], delimiter: str = ",") -> Any:
     """Returns a reader of the rows, to which a comment is an empty line: a quote in it begins no cell."""
-    return csv.reader("\n" if line.startswith("#") else line for line in file)
+    return csv.reader(("\n" if line.startswith("#") else line for line in file), delimiter=delimiter)
 
 
 def blocks(path: Path, header: Header, names: Sequence[str]) -> Iterator[Block]:
@@ -103,7 +107,7 @@ def blocks(path: Path, header: Header, names: Sequence[str]) -> Iterator[Block]:
 def _of_csv(path: Path, header: Header, places: list[int]) -> Iterator[Block]:
     pick = itemgetter(*places, places[0])  # one more, so that it is always a tuple
     with path.open(newline="", encoding="utf-8-sig") as file:
-        reader = _reader(file)
+        reader = _reader(file, header.delimiter)
         numbered = ((reader.line_num, row) for row in reader if row)
         next(numbered)
         try:

@@ -74,6 +74,16 @@ def test_an_input_of_the_log_without_a_sample_is_refused_at_its_line(log, tmp_pa
         against_log(fmu, fitted, "controller", tmp_path / "log.yaml", 1e-9)
 
 
+def test_an_input_that_the_log_does_not_have_is_refused_at_its_columns(log, tmp_path):
+    (tmp_path / "log.csv").write_bytes((log.parent / "log.csv").read_bytes())
+    kept = [line for line in log.read_text().splitlines() if "r_N:" not in line]
+    (tmp_path / "log.yaml").write_text("\n".join(kept), "utf-8")
+    fmu = ensure("controller")
+    _, fitted = check(fmu, "controller", tolerance=None)
+    with pytest.raises(InputError, match=r"log.yaml:4: telemetry.columns: .*the input r_N is neither"):
+        against_log(fmu, fitted, "controller", tmp_path / "log.yaml", 1e-9)
+
+
 def test_a_log_that_begins_far_from_zero_is_refused_and_not_filled_up_from_there(log, tmp_path):
     header, *rows = csv.reader((log.parent / "log.csv").open(newline=""))
     with (tmp_path / "log.csv").open("w", newline="") as file:

@@ -47,6 +47,19 @@ def test_a_sample_is_valid_in_the_step_that_brings_it_and_is_held(scenario):
     assert column(result, "ended")[7:9] == [0, 1]
 
 
+def test_a_matrix_is_a_port_of_its_shape_and_feeds_one(scenario):
+    scenario["blocks"]["log"]["telemetry"]["columns"] = {"R": {"of": [["x", "y"], ["y", "x"]]}}
+    result = run(scenario)
+    assert result["log.R"].shape == (11, 2, 2)
+    assert result["log.R"][5].tolist() == [[5, 6], [6, 5]]
+
+
+def test_a_record_that_begins_after_the_run_is_told(scenario):
+    scenario["blocks"]["log"]["telemetry"]["start"] = -20.0
+    (note,) = run(scenario).manifest["notes"]
+    assert "the first row is at 20 s, after the run" in note
+
+
 def test_both_loops_and_a_second_run_give_the_same(scenario):
     wanted = run(scenario).samples
     np.testing.assert_array_equal(run(scenario, compiled=False).samples, wanted)

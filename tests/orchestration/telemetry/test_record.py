@@ -36,6 +36,12 @@ def test_rows_keep_their_own_instants_and_values_that_are_missing_are_nan(tmp_pa
     assert record.seen.gap == (4.3, 5)
 
 
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+def test_cells_may_be_parted_by_semicolons_or_tabs_and_lines_end_as_on_windows(tmp_path, delimiter):
+    text = "\ufeff# made; elsewhere\r\nt,x,y\r\n0,1,2\r\n1,3,4\r\n".replace(",", delimiter)
+    np.testing.assert_array_equal(read(tmp_path, text)[1], [[0, 1, 2], [1, 3, 4]])
+
+
 def test_what_is_beyond_the_largest_number_is_missing(tmp_path):
     record, table = read(tmp_path, "t,x,y\n0,1e999,2\n1,3,-inf\n2,1,1\n")
     assert np.isnan(table[0, 1])
