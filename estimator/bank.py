@@ -34,8 +34,8 @@ class Noise:
     """T, of a component: calibration, field model and the instants of the samples together"""
     angle: float = 2.0e-3
     """rad in 1 s, by the noise of the gyro"""
-    bias_walk: float = 1e-6
-    """rad/s in 1 s"""
+    bias_walk: float = 1e-5
+    """rad/s in 1 s: with its temperature along an orbit"""
     bias: float = 0.03
     """rad/s, at the start"""
     scale: float = 0.01

@@ -49,6 +49,8 @@ class Attitudes:
     """(6,6) of bias and scale at the end"""
     strain: float
     """The largest bias or scale at the end, in deviations of what was known before"""
+    likelihood: float = np.nan
+    """Its logarithm, of all measurements by the best filter at the end, up to a constant"""
 
     @property
     def trusted(self) -> bool:
@@ -94,4 +96,5 @@ def attitudes(flight: Flight, field: Floats, field_N: Floats, noise: Noise, face
             bank.pruned(PRUNE_MARGIN, PRUNE_ANGLE)
     best = bank.best
     bias, scale = bank.bias[best], bank.scale[best]
-    return Attitudes(R, rate, ambiguity, nis, bias, scale, bank.P[best][3:, 3:], bank.strain(noise))
+    covariance, likelihood = bank.P[best][3:, 3:], float(bank.score[best])
+    return Attitudes(R, rate, ambiguity, nis, bias, scale, covariance, bank.strain(noise), likelihood)

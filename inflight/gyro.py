@@ -60,7 +60,11 @@ class Spin:
                 "bias across the spin and tilt of the magnetometer apart": "not shown",
                 "attitude": self.attitude,
             },
-            "estimator": {"angle_random_walk": noise.angle, "rate_bias_sigma": float(self.bias_sigma.max())},
+            "estimator": {
+                "angle_random_walk": noise.angle,
+                "rate_random_walk": noise.bias_walk,
+                "rate_bias_sigma": float(self.bias_sigma.max()),
+            },
         }
 
 

@@ -27,7 +27,7 @@ from ..plots import BLUE, GREEN, RED, name_axes, panels, save
 from . import spins
 from .flown import through_the_estimator
 from .records import records
-from .study import FALSE, FIT, LONG, Free, Shown, air_and_rest, free_motion, long_record, pair, sky
+from .study import FALSE, FIT, LONG, WALKS, Free, Shown, air_and_rest, free_motion, likelihoods, long_record, pair, sky
 
 FIGURE = "flight-data"
 
@@ -42,6 +42,8 @@ class Study:
     free: Free | None
     cuts: list[Shown]
     """Parts of each record, calibrated by themselves"""
+    walks: list[list[float]]
+    """By record, the likelihood of its field with each walk of the gyro's bias"""
     third: Free | None
     """By every third of the short records"""
     spins: dict[str, list[spins.Case]]
@@ -63,8 +65,9 @@ def study(folder: Path, cases: int, jobs: int, split: bool) -> Study:
         for s in shown
     ]
     parts = cuts(flown) if split else []
+    walks = [likelihoods(s) for s in shown] if split else []
     third = free_motion(short[1::3]) if split else None
-    return Study(shown, through, free_motion(short), parts, third, spun(cases, jobs) if cases else {})
+    return Study(shown, through, free_motion(short), parts, walks, third, spun(cases, jobs) if cases else {})
 
 
 def spun(cases: int, jobs: int) -> dict[str, list[spins.Case]]:
@@ -243,6 +246,8 @@ def fields(done: Study) -> dict[str, Any]:
         "crossed": crossed,
         "shadow": shadow,
         "cuts": [_row(s) for s in done.cuts],
+        "walk_names": "|".join(("record", *map("{:.0e}".format, WALKS))),
+        "walks": [[s.flight.name, *(f"{x:.0f}" for x in row)] for s, row in zip(done.shown, done.walks, strict=False)],
         "third": "" if done.third is None else _of_motion(replace(done, free=done.third))[1],
         "motion_lines": _of_motion(done),
         "counts": counts,

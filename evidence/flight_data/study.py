@@ -4,7 +4,7 @@ constant depends on a row's number; docs/evidence/flight_data.md says which were
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -193,6 +193,17 @@ def long_record(flight: Flight, others: list[Calibration], names: list[str], noi
         pair(flight, found),
         edges(flight, found),
     )
+
+
+WALKS = (1e-6, 3e-6, 1e-5, 3e-5, 1e-4)
+"""rad/s in 1 s, of the gyro's bias, of which the likelihood of the field chose one."""
+
+
+def likelihoods(shown: Shown) -> list[float]:
+    """Logarithms of the likelihood of a record's field with each of the WALKS, by the best filter."""
+    flight = shown.flight
+    field, field_N = symmetric(shown.calibration).field(flight.t, flight.m), flight.orbit.field_N()
+    return [attitudes(flight, field, field_N, replace(Noise(), bias_walk=walk)).likelihood for walk in WALKS]
 
 
 @dataclass(frozen=True)
