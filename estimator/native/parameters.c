@@ -7,6 +7,11 @@ static bool check_choices(const EstimatorParameters *p, Fault *f)
     if (p->rate_source != ESTIMATOR_RATE_SOURCE_GYRO && p->rate_source != ESTIMATOR_RATE_SOURCE_DYNAMICS) {
         return fault(f, "rate_source", p->rate_source, "1 (gyro) or 2 (dynamics)");
     }
+#if defined(ESTIMATOR_WITHOUT_BANK)
+    if (p->bank) {
+        return fault(f, "bank", 1.0, "false: ESTIMATOR_WITHOUT_BANK leaves no room for its filters");
+    }
+#endif
     if (p->bank && p->rate_source != ESTIMATOR_RATE_SOURCE_GYRO) {
         return fault(f, "bank", 1.0, "rate_source 'gyro'; the bank follows the measured rate");
     }

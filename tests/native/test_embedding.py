@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from ctypes import c_bool, c_double
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -174,3 +175,40 @@ def test_the_laws_know_no_fmi_no_memory_and_no_globals(block: str) -> None:
         for line in text.splitlines():
             if line.startswith("static") and "(" not in line.split("=")[0]:
                 assert line.startswith("static const"), line
+
+
+def test_a_host_that_never_asks_for_the_bank_compiles_the_estimator_without_its_memory(tmp_path: Path) -> None:
+    def text(value: Any) -> str:
+        if isinstance(value, str):
+            return f'"{value}"'
+        return "{" + ", ".join(map(repr, np.ravel(value).tolist())) + "}" if np.ndim(value) else str(value).lower()
+
+    p = replace(parameters("estimator"), bank=True)
+    variables = {v.name: (v, getattr(p, v.name)) for v in load("estimator").of("parameter")}
+    values = (
+        f".{n} = {v.items.index(x) + 1 if v.type == 'enumeration' else text(x)}" for n, (v, x) in variables.items()
+    )
+    (tmp_path / "size.c").write_text(
+        '#include <stdio.h>\n#include "state.h"\n#include "estimator.h"\nint main(void)\n{\n    Fault f = {0};\n'
+        f"    const EstimatorParameters p = {{{', '.join(values)}}};\n    const bool taken = estimator_check(&p, &f);\n"
+        '    printf("%zu %d %s", sizeof(EstimatorState), taken, taken ? "" : f.name);\n    return 0;\n}\n'
+    )
+    (tmp_path / "made").mkdir()
+    sources, includes = lay_out(load("estimator"), folder("estimator"), "", tmp_path / "made")
+    law = [path for path in sources if path.parent == folder("estimator") / "native"]
+    told = []
+    for more in ([], ["-DESTIMATOR_WITHOUT_BANK"]):
+        line = [
+            *ZIG,
+            *FLAGS,
+            "-O0",
+            "-Wno-missing-braces",
+            *more,
+            *(f"-I{include}" for include in (*includes, tmp_path)),
+        ]
+        files = [str(path) for path in (*law, tmp_path / "size.c")]
+        subprocess.run([*line, *files, "-lm", "-o", str(tmp_path / "size")], check=True)
+        told.append(subprocess.run([tmp_path / "size"], check=True, capture_output=True, text=True).stdout.split())
+    (whole, taken), (small, refused, name) = told
+    assert (taken, refused, name) == ("1", "0", "bank")
+    assert (int(whole), int(small)) == (34520, 5032)  # as in the page
