@@ -70,7 +70,8 @@ def reference(name: str, folder: Path) -> Interface:
 def pages() -> Mapping[str, Mapping[str, Any]]:
     """What a page that flies offers of blocks with the project's own interfaces, by their names."""
     own_ = tomllib.loads((INTERFACES / "pages.toml").read_text("utf-8"))
-    return {block: own_.get(SETS[block][0] if block in SETS else block, {}) for block in BLOCKS}
+    parts = {block: (own_.get(block, {}), own_.get(SETS[block][0] if block in SETS else "", {})) for block in BLOCKS}
+    return {b: {key: [*x.get(key, ()), *y.get(key, ())] for key in {**x, **y}} for b, (x, y) in parts.items()}
 
 
 def view(block: str) -> Mapping[str, Any]:

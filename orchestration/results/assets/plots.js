@@ -115,7 +115,6 @@ const timeline = {
       row.append(mark, `${name} `, cell);
       return row;
     }));
-    box.classList.toggle("left", left > u.over.clientWidth / 2);
   }
   function handled(u, plot) { // mouse, fingers and keys beyond what uPlot does itself
     const { over } = u, fingers = new Map();

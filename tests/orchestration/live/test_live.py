@@ -156,7 +156,9 @@ def test_every_scenario_flies_in_its_page_to_the_native_bits_and_verdicts(elsewh
 
 
 @pytest.mark.thorough
-def test_faults_that_overlap_on_one_element_have_the_hash_of_the_native_run(elsewhere, tmp_path):
+def test_faults_that_overlap_on_one_element_and_a_timeline_below_them_have_the_hash_of_the_native_run(
+    elsewhere, tmp_path
+):
     own = [
         {"set": "plant.rod_gain[1] = 0", "at": 2, "until": 6},
         {"set": "plant.rod_gain[1] = 0.5", "at": 4, "until": 8},
@@ -169,7 +171,10 @@ def test_faults_that_overlap_on_one_element_have_the_hash_of_the_native_run(else
     ]
     start = {"dipole_cmd": [5, 6, 7], "wheel_torque_cmd": 0}
     plant = {"fmu": "plant", "every": 2, "start": start}
-    data = minimal(step=0.5, duration=12, blocks={"plant": plant}, faults=own, live={"faults": added})
+    timeline = [{"at": at, "set": {"plant.rod_gain[1]": value}} for at, value in ((1, 0.9), (5, 0.8), (10, 0.6))]
+    data = minimal(
+        step=0.5, duration=12, blocks={"plant": plant}, faults=own, live={"faults": added}, timeline=timeline
+    )
     scenario, page = tmp_path / "overlap.yaml", tmp_path / "overlap.html"
     scenario.write_text(json.dumps(data), "utf-8")
     done = CliRunner().invoke(main, ["live", str(scenario), "--out", str(page)], catch_exceptions=False)
