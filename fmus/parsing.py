@@ -18,7 +18,8 @@ Each `[variables.NAME]` has
 - `nominal`: its usual size in that unit where that is far from 1, or a list of the variable's shape;
 - `frame`: the frame of its components;
 - `variability`: of a parameter, "fixed" or "tunable";
-- `start` (inputs and parameters), `min`, `max`;
+- `start` (inputs and parameters), `min`, `max`; those of an input are told to tools, and the block refuses in words of
+  its own what it cannot take;
 - `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, and a magnitude of
   0.999e9 or more in any element means that it is not connected; an integer starts at -1, and a negative one means it;
 - `quantity` (parameters): the quantity that it states, where the blocks of a loop should agree in it;

@@ -173,7 +173,7 @@ def _followers(interface: Interface) -> list[int]:
 
 def _alike(variable: Variable) -> tuple[str, ...]:
     kind = {"enumeration": "integer"}.get(variable.type, variable.type).upper()
-    low, high = variable.min, variable.max
+    low, high = (None, None) if variable.causality == "input" else (variable.min, variable.max)
     if variable.type == "enumeration":
         low, high = 1, len(variable.items)
     variability = {"fixed": "FIXED", "tunable": "TUNABLE"}.get(variable.variability, "MOVING")

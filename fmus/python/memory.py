@@ -146,7 +146,7 @@ def _references(variables: Iterable[Variable]) -> frozenset[int]:
 def _bounds(variable: Variable) -> tuple[float, float] | None:
     if variable.type == "enumeration":
         return 1, len(variable.items)
-    if variable.min is None and variable.max is None:
+    if variable.causality == "input" or (variable.min is None and variable.max is None):
         return None
     return (-math.inf if variable.min is None else variable.min, math.inf if variable.max is None else variable.max)
 
