@@ -6,10 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .allocation import Actuators, allocate, null_space_motion, rod_matrix, spin_torque, wheel_limits
 from .box import Array
 from .parameters import OfWheels, Parameters
+from .watch import Watch
 
 FIELD_MIN = 1e-12
 """T. A field below a thousandth of a nanotesla counts as none, and then nothing is asked of the rods."""
@@ -36,9 +38,11 @@ class Inputs:
 
 @dataclass(frozen=True)
 class State:
-    """Nothing is remembered but the time."""
+    """Of one wheel nothing is remembered but the time."""
 
     t: float
+    watch: Watch | None = None
+    """Of a set: what its wheels have given of their commands."""
 
 
 @dataclass(frozen=True)
@@ -52,22 +56,24 @@ class Outputs:
     demand_fraction: float
     tau_residual_B: Array
     b_wheel: OfWheels
+    wheel_failed: OfWheels = False
 
 
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0; the first command is that of the inputs u."""
-    _require_finite(u)
-    return State(0.0)
+    first = outputs(State(0.0), u, p)
+    return State(0.0, Watch.begun(u.h_w, first.wheel_torque_cmd) if p.is_set else None)
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
-    """The commands that serve the demand best within the limits; x has no say in them."""
+    """The commands that serve the demand best within the limits; of x only the wheels that have failed count."""
     _require_finite(u)
     B = math.hypot(*u.b_B.tolist())
     with_field = B >= FIELD_MIN
     gains = np.ones(3) if (np.abs(u.rod_gains) >= ABSENT_MIN).any() else u.rod_gains
     by_rods = rod_matrix(u.b_B, p.U) * gains[: p.rods] if with_field else np.zeros((3, p.rods))
-    actuators = _actuators(u, p, by_rods, with_field)
+    failed = x.watch.failed(p) if x.watch is not None else np.zeros(len(np.atleast_2d(p.wheel_axis)), bool)
+    actuators = _actuators(u, p, by_rods, with_field, failed)
     spin = spin_torque(u.omega_B, p.of_wheels(u.h_w), p.axes)
     commands, fraction = allocate(u.tau_cmd_B - spin, actuators)
     if not math.isfinite(sum(commands.tolist())):  # inputs so large that their products overflow
@@ -81,12 +87,17 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         demand_fraction=fraction if fraction < FRACTION_CAP else FRACTION_CAP,
         tau_residual_B=u.tau_cmd_B - (actuators.torque @ commands + spin),
         b_wheel=_to_port(p.axes @ u.b_B / B if with_field else np.zeros(p.wheels), p),
+        wheel_failed=failed if p.is_set else False,
     )
 
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u are the inputs at t + h."""
-    return State(x.t + h), outputs(x, u, p)
+    if x.watch is None:
+        return State(x.t + h), outputs(x, u, p)
+    watch = x.watch.after(u.h_w, h, p)
+    y = outputs(State(x.t, watch), u, p)
+    return State(x.t + h, watch.keeping(u.h_w, y.wheel_torque_cmd)), y
 
 
 def _to_port(values: Array, p: Parameters) -> OfWheels:
@@ -94,10 +105,11 @@ def _to_port(values: Array, p: Parameters) -> OfWheels:
     return np.concatenate((values, np.zeros(len(p.wheel_axis) - len(values)))) if p.is_set else float(values[0])
 
 
-def _actuators(u: Inputs, p: Parameters, by_rods: Array, with_field: bool) -> Actuators:
+def _actuators(u: Inputs, p: Parameters, by_rods: Array, with_field: bool, failed: NDArray[np.bool_]) -> Actuators:
     """Feed-forward is preferred where it is connected; else no dipole, and each wheel on its way to its target. No
-    dipole is without a field. by_rods (3,rods): the rods' torques per A m2."""
-    gains = np.ones(p.wheels) if (np.abs(u.wheel_gains) >= ABSENT_MIN).any() else p.of_wheels(u.wheel_gains)
+    dipole is without a field. by_rods (3,rods): the rods' torques per A m2; failed (4,): wheels that are not used."""
+    told = not (np.abs(u.wheel_gains) >= ABSENT_MIN).any()
+    gains = p.of_wheels(u.wheel_gains) if told else p.of_wheels(np.where(failed, 0.0, 1.0))
     h_w, torque_max, momentum_max = map(p.of_wheels, (u.h_w, p.wheel_torque_max, p.wheel_momentum_max))
     rods_ff = with_field and not (np.abs(u.dipole_ff) >= ABSENT_MIN).any()
     wheel_ff = not (np.abs(u.wheel_torque_ff) >= ABSENT_MIN).any()

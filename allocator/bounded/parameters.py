@@ -44,6 +44,7 @@ class Parameters:
     rods: int = 3
     wheel_momentum_target: OfWheels = 0.0
     null_space_momentum: float = 0.0
+    find_failures: bool = False
 
     @property
     def is_set(self) -> bool:

@@ -138,7 +138,7 @@ def test_one_wheel_of_the_set_is_the_allocator_of_one_wheel_bit_by_bit() -> None
     axis = np.array([2.0, -1.0, 2.0]) / 3.0
     with (
         running("allocator_bounded", wheel_axis=axis) as one,
-        running(BLOCK, wheel_axis=np.vstack((axis, rng.normal(size=(3, 3)) / 9.0))) as four,
+        running(BLOCK, wheel_axis=np.vstack((axis, rng.normal(size=(3, 3)) / 9.0)), find_failures=False) as four,
     ):
         for i in range(100):
             u = drawn_inputs(rng)
@@ -256,3 +256,44 @@ def test_rods_and_wheels_that_are_not_there_are_not_looked_at() -> None:
     assert not y["wheel_torque_cmd"].any()
     np.testing.assert_array_equal(y["tau_residual_B"], [1e-3, 2e-3, 3e-3])
     assert y["demand_fraction"] == 0.0
+
+
+def watched(gain: float, seconds: int = 200, friction: float = 0.0, **parameters: Any) -> list[dict[str, Any]]:
+    """Outputs of each second of a random demand whose wheels have momenta of 0.1 N m s; the second gives `gain` of its
+    command, less friction."""
+    rng, h, found = np.random.default_rng(5), np.zeros(4), []
+    gains = np.array([1.0, gain, 1.0, 1.0])
+    with running(BLOCK, **FOUR, b_B=[0.0, 0.0, 0.0], wheel_momentum_max=[0.1] * 4, **parameters) as it:
+        for i in range(seconds):
+            command = it.get("wheel_torque_cmd")
+            h = h + gains * np.sign(command) * np.maximum(np.abs(command) - friction, 0.0)
+            it.set("h_w", h)
+            it.set("tau_cmd_B", rng.normal(scale=5e-4, size=3))
+            it.step(float(i), 1.0)
+            found.append(it.outputs())
+    return found
+
+
+@pytest.mark.parametrize("gain", [0.0, 0.3, -1.0])
+def test_a_wheel_that_gives_less_than_half_is_found_and_the_others_give_its_part(gain: float) -> None:
+    y = watched(gain)
+    assert y[-1]["wheel_failed"].tolist() == [0, 1, 0, 0]
+    first = next(i for i, each in enumerate(y) if each["wheel_failed"][1])
+    assert 0 < first < 60
+    for each in y[first:]:
+        assert np.abs(each["tau_residual_B"]).max() < 6e-5  # some % of the preference, of demands of 5e-4 N m
+    assert not any(each["wheel_failed"][i] for each in y for i in (0, 2, 3))
+
+
+@pytest.mark.parametrize(("gain", "friction"), [(1.0, 0.0), (0.7, 0.0), (1.0, 3e-5)])
+def test_wheels_that_give_more_than_half_or_have_friction_are_not_reported(gain: float, friction: float) -> None:
+    assert not any(each["wheel_failed"].any() for each in watched(gain, 500, friction))
+
+
+def test_a_failed_wheel_is_tried_again_and_one_that_is_not_looked_for_is_not_found() -> None:
+    flags = [bool(each["wheel_failed"][1]) for each in watched(0.0, 3300)]
+    first = flags.index(True)
+    assert all(flags[first : first + 2999])
+    assert not flags[first + 3000]
+    assert flags[-1]
+    assert not any(each["wheel_failed"].any() for each in watched(0.0, find_failures=False))

@@ -33,15 +33,15 @@ static double null_space_motion(const AllocatorBoundedLaw *law, const double h[A
 
 /* The preferred wheel torques d, N m: the feed-forward, or those that bring the momentum to its target. Along the null
  * space, where they cancel on the body, those that keep the speeds away from zero and from their limits. */
-static void preferred_torques(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u,
-                              double d[ALLOCATOR_BOUNDED_WHEELS])
+static void preferred_torques(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                              const AllocatorBoundedInputs *u, double d[ALLOCATOR_BOUNDED_WHEELS])
 {
     const AllocatorBoundedParameters *p = &law->p;
     const bool with_wheel_ff = allocator_bounded_has_wheel_torque_ff(u);
     bool all_act = law->has_null_space;
     for (int i = 0; i < WHEELS(p); ++i) {
         d[i] = with_wheel_ff ? u->wheel_torque_ff[i] : -(u->h_w[i] - WHEEL_TARGET(p, i)) / p->desaturation_time;
-        all_act = all_act && WHEEL_GAIN(u, i) != 0.0;
+        all_act = all_act && WHEEL_GAIN(law, x, u, i) != 0.0;
     }
     if (all_act && NULL_SPACE_MOMENTUM(p) > 0.0) {
         double change = null_space_motion(law, u->h_w, NULL_SPACE_MOMENTUM(p)) / p->desaturation_time;
@@ -54,8 +54,8 @@ static void preferred_torques(const AllocatorBoundedLaw *law, const AllocatorBou
     }
 }
 
-void allocator_bounded_actuators(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, const Vector rods[3],
-                                 bool with_rods_ff, Actuators *a)
+void allocator_bounded_actuators(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                 const AllocatorBoundedInputs *u, const Vector rods[3], bool with_rods_ff, Actuators *a)
 {
     const AllocatorBoundedParameters *p = &law->p;
     *a = (Actuators){.rods = RODS(p), .n = RODS(p) + WHEELS(p)};
@@ -68,11 +68,11 @@ void allocator_bounded_actuators(const AllocatorBoundedLaw *law, const Allocator
         a->high[i] = 1.0;
     }
     double d[ALLOCATOR_BOUNDED_WHEELS] = {0.0};
-    preferred_torques(law, u, d);
+    preferred_torques(law, x, u, d);
     const double weight = allocator_bounded_has_wheel_torque_ff(u) ? p->wheel_weight_ff : p->wheel_weight;
     for (int k = 0; k < WHEELS(p); ++k) {
         const int i = a->rods + k;
-        const double gain = WHEEL_GAIN(u, k), h_w = u->h_w[k], torque_max = p->wheel_torque_max[k];
+        const double gain = WHEEL_GAIN(law, x, u, k), h_w = u->h_w[k], torque_max = p->wheel_torque_max[k];
         a->limit[i] = torque_max;
         a->torque[i] = scale(-torque_max * gain, vector(law->axis[k]));
         a->weight[i] = weight * torque_max;

@@ -11,13 +11,13 @@
 #define RODS(p) ((p)->rods)
 #define WHEELS(p) ((p)->wheels)
 #define WHEEL_TARGET(p, i) ((p)->wheel_momentum_target[i])
-#define WHEEL_GAIN(u, i) (allocator_bounded_has_wheel_gains(u) ? (u)->wheel_gains[i] : 1.0)
+#define WHEEL_GAIN(law, x, u, i) allocator_bounded_wheel_gain(law, x, u, i)
 #define NULL_SPACE_MOMENTUM(p) ((p)->null_space_momentum)
 #else
 #define RODS(p) 3
 #define WHEELS(p) 1
 #define WHEEL_TARGET(p, i) 0.0
-#define WHEEL_GAIN(u, i) 1.0
+#define WHEEL_GAIN(law, x, u, i) ((void)(x), 1.0)
 #define NULL_SPACE_MOMENTUM(p) 0.0
 #endif
 
@@ -32,7 +32,8 @@ typedef struct {
 } Actuators;
 
 /* rods: the torque of each on the body per A m2, its gain included; with_rods_ff: dipole_ff counts. */
-void allocator_bounded_actuators(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, const Vector rods[3],
-                                 bool with_rods_ff, Actuators *a);
+void allocator_bounded_actuators(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                 const AllocatorBoundedInputs *u, const Vector rods[3], bool with_rods_ff,
+                                 Actuators *a);
 
 #endif

@@ -58,7 +58,12 @@ static bool are_inputs(const AllocatorBoundedInputs *u, Fault *f)
     }
     for (int i = 0; i < ALLOCATOR_BOUNDED_WHEELS; ++i) {
         const Named numbers[] = {
-            {"h_w", u->h_w[i]}, {"wheel_torque_ff", u->wheel_torque_ff[i]}, {"wheel_gains", WHEEL_GAIN(u, i)}};
+            {"h_w", u->h_w[i]},
+            {"wheel_torque_ff", u->wheel_torque_ff[i]},
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+            {"wheel_gains", u->wheel_gains[i]},
+#endif
+        };
         if (!all_finite(numbers, COUNT(numbers), f)) {
             return false;
         }
@@ -69,7 +74,6 @@ static bool are_inputs(const AllocatorBoundedInputs *u, Fault *f)
 bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                const AllocatorBoundedInputs *u, AllocatorBoundedOutputs *y, Fault *f)
 {
-    (void)x;
     if (!are_inputs(u, f)) {
         return false;
     }
@@ -91,7 +95,7 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
         spin = add(spin, scale(-h_w[i], cross(Omega, vector(law->axis[i]))));
     }
     Actuators actuators;
-    allocator_bounded_actuators(law, u, rods, with_field && allocator_bounded_has_dipole_ff(u), &actuators);
+    allocator_bounded_actuators(law, x, u, rods, with_field && allocator_bounded_has_dipole_ff(u), &actuators);
     const Commands given = allocate(&actuators, subtract(tau, spin));
 
     const Vector dipole = {gains.x * given.dipole[0], gains.y * given.dipole[1], gains.z * given.dipole[2]};
@@ -100,9 +104,12 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
     for (int i = 0; i < ALLOCATOR_BOUNDED_WHEELS; ++i) {
         const Vector axis = vector(law->axis[i]);
         const bool there = i < WHEELS(&law->p);
-        by_wheels = subtract(by_wheels, scale(there ? WHEEL_GAIN(u, i) * given.dh_w[i] : 0.0, axis));
+        by_wheels = subtract(by_wheels, scale(there ? WHEEL_GAIN(law, x, u, i) * given.dh_w[i] : 0.0, axis));
         y->wheel_torque_cmd[i] = given.dh_w[i];
         y->b_wheel[i] = there && with_field ? dot(b_B, axis) / B : 0.0;
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+        y->wheel_failed[i] = law->p.find_failures && x->wheels[i].failed_for > 0.0;
+#endif
     }
     store(vector(given.dipole), y->dipole_cmd);
     y->holding = false;
@@ -114,11 +121,14 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
 bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedState *x,
                              Fault *f)
 {
-    const AllocatorBoundedState now = {0.0};
+    AllocatorBoundedState now = {.t = 0.0};
     AllocatorBoundedOutputs y;
     if (!allocator_bounded_outputs(law, &now, u, &y, f)) {
         return false;
     }
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+    allocator_bounded_keep(u, &y, &now);
+#endif
     *x = now;
     return true;
 }
@@ -126,9 +136,17 @@ bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoun
 bool allocator_bounded_step(const AllocatorBoundedLaw *law, AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
                             double h, AllocatorBoundedOutputs *y, Fault *f)
 {
-    if (!allocator_bounded_outputs(law, x, u, y, f)) {
+    AllocatorBoundedState next = *x;
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+    allocator_bounded_watch(law, u, h, &next);
+#endif
+    if (!allocator_bounded_outputs(law, &next, u, y, f)) {
         return false;
     }
-    x->t += h;
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+    allocator_bounded_keep(u, y, &next);
+#endif
+    next.t += h;
+    *x = next;
     return true;
 }

@@ -1,7 +1,8 @@
 /* Allocation of a torque to wheels and magnetic rods within their limits: bounded least squares with a preference. One
  * wheel and three rods in the block `allocator_bounded`; up to four and three in `allocator_bounded_wheels`. Not in the paper; "[n]" is an equation of Sanyal and Lee-Ho, AIAA 2009-5902.
  *
- * Flight code: plain functions of plain structures, bounded time, no recursion, and no memory but the time.
+ * Flight code: plain functions of plain structures, bounded time, no recursion, and no memory but the time and, of
+ * a set of wheels, what each has given of its commands.
  * Use: check and prepare once (and again after a change of parameters), start once, then step at every sample.
  * SI units; frames as at the ports. A function that returns false has noted a fault and changed nothing else.
  */
@@ -11,8 +12,20 @@
 #include "fault.h"
 #include "allocator_bounded_ports.h"
 
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+/* What a wheel has given of its commands. */
+typedef struct {
+    double h_w, command; /* of the last sample, N m s and N m */
+    double given, asked; /* sums of command times change of momentum, and of command squared times time; forgotten */
+    double failed_for;   /* s since it was found to give less than half; 0: it was not */
+} WatchedWheel;
+#endif
+
 typedef struct {
     double t; /* s */
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+    WatchedWheel wheels[ALLOCATOR_BOUNDED_WHEELS];
+#endif
 } AllocatorBoundedState;
 
 /* Parameters and what follows from them alone. */
@@ -29,11 +42,23 @@ bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f);
 /* p must have passed the check. */
 void allocator_bounded_prepare(const AllocatorBoundedParameters *p, AllocatorBoundedLaw *law);
 
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+/* What wheel i gives of its command: as it is told by wheel_gains, else 0 of one that has failed. */
+double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                    const AllocatorBoundedInputs *u, int i);
+
+/* Takes in what the wheels gave of the last commands over h, and the commands y that act from now on. */
+void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,
+                             AllocatorBoundedState *x);
+void allocator_bounded_keep(const AllocatorBoundedInputs *u, const AllocatorBoundedOutputs *y,
+                            AllocatorBoundedState *x);
+#endif
+
 /* The state at t = 0; the first command is that of these inputs. */
 bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedState *x,
                              Fault *f);
 
-/* The commands that serve the demand best within the limits; they do not depend on x. */
+/* The commands that serve the demand best within the limits; of x only the wheels that have failed count. */
 bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                const AllocatorBoundedInputs *u, AllocatorBoundedOutputs *y, Fault *f);
 
