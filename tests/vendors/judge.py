@@ -10,6 +10,7 @@ import numpy as np
 
 from orchestration.acceptance.check import check
 from orchestration.acceptance.polarity.swaps import look
+from orchestration.acceptance.polarity.wrongs import signed_permutations
 from orchestration.acceptance.suggest import suggest
 from orchestration.fmu.interfaces import reference
 from orchestration.scenario.mapping import Mapping
@@ -64,18 +65,35 @@ def judge(case: Case, path: Path, ours: Source) -> Verdict:
     causes = [cause for mended in looked.mended for cause in getattr(mended, "causes", ())]
     verdict.said += [str(cause) for cause in causes]
     verdict.detected = looked.wrong is not None or any(mended.before > 1e-10 for mended in looked.mended)
+    equally = any(_is_truth(words, case) for mended in looked.mended for words in mended.equally)
+    verdict.said += [f"or equally well: {words}" for mended in looked.mended for words in mended.equally]
     for port in behaves:
-        if not serves(final, port, case.truth[port]):
+        if not serves(final, port, case.truth[port]) and not equally:
             verdict.false.append(f"{port}: {behaves[port]}")
     for cause in causes:
         if not any(_same(cause, expected) for expected in case.causes):
             verdict.false.append(str(cause))
-    right = all(serves(final, port, case.truth[port]) for port in case.named)
+    right = equally or all(serves(final, port, case.truth[port]) for port in case.named)
     found = all(any(_same(cause, expected) for cause in causes) for expected in case.causes)
     verdict.named = None if case.answer in ("right", "silent") else right and found
     if case.answer == "right":
         verdict.detected = None
     return verdict
+
+
+def _is_truth(words: str, case: Case) -> bool:
+    """Whether another wiring that is said to serve equally well, in words, is the one that is to be named."""
+    said = dict(part.partition(": ")[::2] for part in words.split(", "))
+    known = dict(signed_permutations())
+    return set(said) == set(case.named) and all(
+        text in known and case.truth[port][0] == "linear" and _turns(known[text], case.truth[port][1])
+        for port, text in said.items()
+    )
+
+
+def _turns(read: Any, A: Any) -> bool:
+    """Whether theirs = A ours is read so where it is taken for ours, but for its unit."""
+    return A.shape == (3, 3) and np.allclose(np.linalg.inv(A) * np.abs(A).max(), read)
 
 
 def serves(fitted: Fit, ours: str, truth: tuple[Any, ...]) -> bool:

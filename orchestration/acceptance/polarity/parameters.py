@@ -6,6 +6,7 @@ Tests: tests/orchestration/acceptance/test_causes.py.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from .causes import Cause
 
 _STARTS = (0.5, 0.8, 1.25, 2.0, *np.geomspace(0.4, 2.5, 33).tolist())
 """Factors that are tried first: limits and holds make many small steps."""
+_ENDS = 0.4, 2.5
 _GOLDEN = (5.0**0.5 - 1.0) / 2.0
 _SERVES = 1e-4
 """A share of the outputs' size up to which a parameter of another value explains them."""
@@ -35,7 +37,9 @@ def changed_parameter(
     """
     found: list[tuple[float, str, float, float]] = []
     for name in _parameters(ours):
-        left = _left(ours, name, few, given_few)
+        left = cache(_left(ours, name, few, given_few))
+        if all(left(end) == left(1.0) for end in _ENDS):  # it has no effect on these inputs
+            continue
         start = min(_STARTS, key=left)
         if left(start) >= left(1.0):
             start = 1.0
@@ -44,7 +48,7 @@ def changed_parameter(
             found.append((error, name, factor, start))
     held: list[tuple[float, str, float]] = []
     for _, name, *factors in sorted(found)[:_MOST]:
-        left = _left(ours, name, whole, given)
+        left = cache(_left(ours, name, whole, given))
         factor = min(factors, key=left)  # a limit acts at few instants: there the course may be flat
         after = left(factor)
         if _SERVES < after < _NEAR:
