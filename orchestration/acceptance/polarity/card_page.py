@@ -23,6 +23,7 @@ _HERE = Path(__file__)
 FILES = "card.html", "card.json", "card.py"
 _COLUMNS = "set", "before", "to", "read", "before ", "expected", "tolerance", "measured", "verdict"
 _STYLE = """
+.card .before-all { display: flex; flex-wrap: wrap; gap: 0 3rem; }
 .card h3 { margin-top: 1.6rem; } .card td { white-space: nowrap; }
 .blank { display: inline-block; min-width: 5.5rem; height: 1.3em; border-bottom: 1px solid currentColor; }
 .card .stimulus { display: flex; flex-wrap: wrap; gap: .5rem 2rem; align-items: center; }
@@ -30,7 +31,9 @@ _STYLE = """
 .card svg text { font: 12px sans-serif; fill: currentColor; }
 @media print {
   .card article { break-inside: avoid; }
-  .card .scroll > table th, .card .scroll > table td { padding-right: .5rem; }
+  .card .blank { min-width: 3.2rem; }
+  .card .scroll > table { font-size: 7.5pt; }
+  .card .scroll > table th, .card .scroll > table td { padding-right: .45rem; }
 }
 """
 _COLOURS = "#c0392b", "#1e8449", "#2471a3"
@@ -64,7 +67,8 @@ def page(card: list[Line], about: Mapping[str, str], parameters: list[tuple[str,
     head = header(title, lead, [], facts(dict(about)), facts({name: blank() for name in blanks}))
     rows = [(name, number(value) if isinstance(value, float) else value, unit) for name, value, unit in parameters]
     set_ = section("Parameters", table(("parameter", "value", "unit"), rows))
-    body = joined([set_, base(card), *steps(card)])
+    first = Markup('<div class="before-all">{}{}</div>').format(set_, base(card))
+    body = joined([first, *steps(card)])
     return Page().html(title, [head, Markup('<div class="card">{}</div>').format(body)], style=_STYLE)
 
 
