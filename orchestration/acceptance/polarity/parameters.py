@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache
+from time import monotonic
 
 import numpy as np
 
@@ -30,13 +31,17 @@ def changed_parameter(
     whole: Mapping[str, Floats],
     given_few: Mapping[str, Floats],
     given: Mapping[str, Floats],
+    ends: float = np.inf,
 ) -> tuple[Cause, float] | None:
     """Returns the parameter, and what it leaves of the whole run; None where none explains it.
 
-    `few` and `whole` are inputs (instants, elements), `given_few` and `given` the outputs of theirs on them.
+    `few` and `whole` are inputs (instants, elements), `given_few` and `given` the outputs of theirs on them. No
+    parameter is begun after `ends`, by the monotonic clock, and then none is named: another could serve as well.
     """
     found: list[tuple[float, str, float, float]] = []
     for name in _parameters(ours):
+        if monotonic() > ends:
+            return None
         left = cache(_left(ours, name, few, given_few))
         if all(left(end) == left(1.0) for end in _ENDS):  # it has no effect on these inputs
             continue

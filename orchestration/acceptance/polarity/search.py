@@ -35,7 +35,7 @@ _LARGE, _MOST_LEFT = 0.3, 0.15
 _SOME = 12
 """So many of the nearest wirings are tried on theirs."""
 SECONDS = 20.0
-"""The search ends after so long."""
+"""The search of wirings ends after so long, and each of two searches of parameters."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class Search(Identifier):
         if best.named and best.after <= ALIKE:
             return best
         if not best.named:
-            best = self._with_parameter(best, [], theirs, before, first)
+            best = self._with_parameter(best, [], theirs, before, first, monotonic() + seconds)
             if best.named:
                 return best
         starts = [self._descend(changes, ends) for _, changes in tried[:4]]
@@ -104,7 +104,9 @@ class Search(Identifier):
             found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), theirs, before, first)
             best = min(best, found, key=_worth)
         if not best.named:
-            best = self._with_parameter(best, tried[:3], theirs, before, first)
+            until = monotonic() + seconds
+            best = self._with_parameter(best, tried[:3], theirs, before, first, until)
+            complete = complete and monotonic() <= until
         return replace(best, complete=complete)
 
     def _as_wired(self, theirs: dict[str, Floats]) -> tuple[float, tuple[str, float] | None]:
@@ -181,14 +183,15 @@ class Search(Identifier):
         theirs: dict[str, Floats],
         before: float,
         first: tuple[str, float] | None,
+        ends: float,
     ) -> Identified:
-        """Looks for a parameter of another value, with no wiring or with one of the nearest."""
+        """Looks for a parameter of another value, with no wiring or with one of the nearest, until the time ends."""
         assert self.given is not None
         wirings = [changes for _, changes in tried if changes] or [{}]
         for changes in wirings:
             read = self.misread(self.few, {**self.base, **changes})
             nearest = {n: self.given[n] for n in self.reference}
-            made = changed_parameter(self._ours, read, self.misread(self.whole, changes), nearest, theirs)
+            made = changed_parameter(self._ours, read, self.misread(self.whole, changes), nearest, theirs, ends)
             if made is not None:
                 cause, after = made
                 found = Identified({**self.base, **changes}, {}, before, after, self.ports, (cause,), first)
