@@ -238,18 +238,12 @@ def in_kind(value: Any) -> str:
     return "text" if isinstance(value, str) else as_written(value)
 
 
-_LONG = 200
-"""Characters of a text that a message shows."""
-
-
 def as_written(value: Any) -> str:
-    """A value as the user wrote it, for "found ..."."""
-    if value is None:
-        return "nothing"
-    if isinstance(value, bool):
-        return str(value).lower()
+    """A value as the user wrote it, for "found ..."; of a text at most 200 characters."""
+    if value is None or isinstance(value, bool):
+        return "nothing" if value is None else str(value).lower()
     if isinstance(value, dict):
         return "names with values"
-    if isinstance(value, str) and len(value) > _LONG:
-        return f"{value[:_LONG]!r} ... of {len(value)} characters"
+    if isinstance(value, str) and len(value) > 200:
+        return f"{value[:200]!r} ... of {len(value)} characters"
     return "a list" if isinstance(value, (list, tuple)) else repr(value)

@@ -18,7 +18,7 @@ from ..fmu import zipped
 from ..fmu.archive import Fmu, open_fmu, shown
 from ..fmu.model import Element, Variable
 from ..fmu.starts import scalars_of
-from ..quantities import convert
+from ..quantities import SECOND, QuantityError, convert, value_in
 from ..scenario.source import Source
 from ..system.wiring import Node
 from . import structure as structures
@@ -52,7 +52,11 @@ def read(path: Path) -> Source:
         }
     connections = list(_connections(path, structure, names, fmus))
     experiment = root.find("ssd:DefaultExperiment", NAMESPACES)
-    scenario = _times(experiment, list(fmus.values())) | {"name": _word(root.get("name") or path.stem)} | data
+    times = _times(experiment, list(fmus.values()))
+    stated = experiment is not None and experiment.get("stopTime")
+    if stated and _changed(times.get("duration"), data.get("duration")):
+        del data["duration"]
+    scenario = times | {"name": _word(root.get("name") or path.stem)} | data
     scenario |= {"blocks": entries, "connections": connections}
     return Source(scenario, str(shown(path)), folder)
 
@@ -182,6 +186,17 @@ def _check_transformation(
             f"{shown(path)}: {text} has the factor {asked[0]:g} and the offset {asked[1]:g}, which is no "
             "conversion of its units; orchestrate converts units only"
         )
+
+
+def _changed(stated: float | None, annotated: Any) -> bool:
+    """Whether a tool has given the archive another duration than the annotation's; not where that counts cycles."""
+    if stated is None or annotated is None:
+        return False
+    try:
+        duration = value_in(annotated, SECOND)
+    except QuantityError:
+        return False
+    return not abs(stated - duration) <= 1e-9 * abs(duration)
 
 
 def _times(experiment: Any | None, fmus: list[Fmu]) -> dict[str, float]:

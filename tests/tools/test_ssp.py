@@ -100,6 +100,25 @@ def test_an_archive_of_ssp_2_and_one_with_numbers_are_valid_and_come_back(loop: 
     assert np.array_equal(orchestration.run("loop.ssp").samples, orchestration.run(loop.name).samples)
 
 
+@pytest.mark.parametrize(
+    ("times", "end"), [('startTime="0.0" stopTime="1.0"', 1.0), ('startTime="0.5" stopTime="2.0"', 1.5), ("", 2.0)]
+)
+def test_a_duration_that_another_tool_gives_an_archive_counts_and_one_that_it_leaves_out_stays(
+    loop: Path, tmp_path: Path, times: str, end: float
+) -> None:
+    printed("export", loop.name, "--ssp", "loop.ssp")
+    with zipfile.ZipFile("loop.ssp") as archive, zipfile.ZipFile("edited.ssp", "w") as edited:
+        for name in archive.namelist():
+            data = archive.read(name)
+            if name == "SystemStructure.ssd":
+                assert b'startTime="0.0" stopTime="2.0"' in data
+                data = data.replace(b'startTime="0.0" stopTime="2.0"', times.encode())
+            edited.writestr(name, data)
+    direct, back = orchestration.run(loop.name), orchestration.run("edited.ssp")
+    assert back.time[-1] == pytest.approx(end)
+    assert np.array_equal(back.samples, direct.samples[: len(back.samples)])
+
+
 def test_units_that_differ_are_converted_by_a_transformation_that_comes_back(loop: Path) -> None:
     spoilt = fmus.description("motor").replace(
         '<ScalarVariable name="voltage" valueReference="2" causality="input"><Real unit="V"',
