@@ -1,4 +1,4 @@
-"""Single flights of a review: slews, a station that is tracked, each single failure, and the power of a hold.
+"""Single flights of a review: slews, a station that is tracked, and each single failure.
 
 Tests: tests/design/review/test_manoeuvres.py.
 """
@@ -11,10 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from fmus import places
 from fmus.interface import load as interface
 from orchestration.results.settling import settling
-from orchestration.scenario.text import parse
 from plant.orbit import earth_fixed, geodetic
 from plant.so3 import Array
 
@@ -22,7 +20,7 @@ from . import studies
 from .content import Curves, Section, Table, number
 from .facts import Facts
 from .flights import Flight, Flown
-from .options import Options
+from .power import commands
 
 ANGLES = (10, 30, 90, 180)
 """deg"""
@@ -39,26 +37,13 @@ def _signals(facts: Facts) -> tuple[str, ...]:
     return f"{facts.blocks['plant_judge']}.attitude_error", f"{facts.plant}.h_w"
 
 
-def _perfect(facts: Facts) -> list[dict[str, dict[str, Any]]]:
-    """Returns start values with which sensors measure the attitude at any rate, and nothing else is wrong."""
-    if not {"plant_sensors", "estimator"} <= facts.blocks.keys():
-        return []
-    path = places.shared("scenarios") / "templates" / "satellite" / "sensors_perfect.yaml"
-    text = parse(path.read_text("utf-8"), str(path)).data["blocks"]
-    sensors = [n for n in studies.contributors(facts) if studies.CONTRIBUTORS[n][0] == "plant_sensors"]
-    free = dict.fromkeys(("attitude_rate_max", "attitude_sun_exclusion", "attitude_earth_exclusion"), 0)
-    told = {facts.blocks["estimator"]: text["estimator"]["start"]}
-    measured = {facts.blocks["plant_sensors"]: {**free, **text["sensors"]["start"]}}
-    return [studies.without(facts, sensors), measured, told]
-
-
 def slews(facts: Facts) -> list[Flight]:
     """Returns flights from rest at some angles about each body axis, on an attitude that is measured to 0.01 deg."""
     made = []
     for angle in ANGLES:
         for i, axis in enumerate("xyz"):
             turn = studies.turned(facts, _turn(i, math.radians(angle)))
-            blocks = studies.merged(*_perfect(facts), turn)
+            blocks = studies.merged(*studies.perfect(facts), turn)
             made.append(
                 Flight(f"slew-{angle}-{axis}", {"duration": f"{facts.period:.6g} s", "blocks": blocks}, _signals(facts))
             )
@@ -125,7 +110,7 @@ def station(facts: Facts) -> tuple[list[Flight], str]:
         "duration": f"{at + 600.0:.6g} s",
         "blocks": blocks,
         "connections": {"add": added},
-        "timeline": [{"at": f"{at - AHEAD:.6g} s", "set": {"supervisor.command": 6}}],
+        "timeline": [{"at": f"{max(at - AHEAD, 0.0):.6g} s", "set": {"supervisor.command": 6}}],
     }
     signals = (*_signals(facts), "supervisor.mode", "supervisor.target_elevation", f"{plant}.omega_B")
     return [Flight("station", changes, signals)], ""
@@ -191,7 +176,7 @@ def failing(facts: Facts) -> list[Flight]:
         signals += [f"{facts.blocks[facts.controller]}.{name}" for name in ("rod_failed", "wheel_failed")]
     if "estimator" in facts.blocks:
         signals.append(f"{facts.blocks['estimator']}.health")
-    signals += _commands(facts)
+    signals += commands(facts)
     blocks = studies.merged(studies.hold(facts))
     duration = f"{ENDS * facts.period:.6g} s"
     return [
@@ -202,13 +187,6 @@ def failing(facts: Facts) -> list[Flight]:
         )
         for name, faults in found
     ]
-
-
-def _commands(facts: Facts) -> list[str]:
-    """Returns the signal that commands the rods, and the wheels' torque and speed."""
-    fed = {str(c.target).partition("[")[0]: str(c.source).partition("[")[0] for c in facts.scenario.connections}
-    rods = fed.get(f"{facts.plant}.dipole_cmd")
-    return [*([rods] if rods else []), f"{facts.plant}.wheel_torque", f"{facts.plant}.wheel_speed"]
 
 
 def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, float]:
@@ -259,27 +237,3 @@ def _found(facts: Facts, name: str, one: Flown, at: float) -> str:
         return "no block looks for it"
     raised = np.flatnonzero(flag & later)
     return f"{one.time[raised[0]] - at:.0f} s" if len(raised) else "not found"
-
-
-def power(facts: Facts, options: Options, flown: Mapping[str, Flown]) -> Section:
-    """Returns the mean and largest power of rods and wheels in the hold, from the data that are given."""
-    given = options.power
-    if "rod" not in given and "wheel" not in given:
-        text = "No data of power are given: state 'power: {rod: 0.2 W, wheel: 0.3 W}' in the file of --requirements."
-        return Section("Power", notes=[text])
-    one, p = flown["failure-none"], facts.satellite.p
-    commands = _commands(facts)
-    rows = []
-    if "rod" in given and len(commands) == 3:
-        duty = p.rod_duty if p.rod_period > 0.0 else 1.0
-        dipoles = np.clip(one[commands[0]], -p.dipole_limit, p.dipole_limit) * p.rod_gain
-        watts = duty * given["rod"] * ((dipoles / p.dipole_max) ** 2).sum(axis=1)
-        rows.append(["rods", f"{watts.mean():.3g}", f"{watts.max():.3g}", f"{given['rod']:g} W of each at dipole_max"])
-    if "wheel" in given:
-        torque, speed = (np.reshape(one[name], (len(one.time), -1))[:, : p.wheels] for name in commands[-2:])
-        motor = np.abs(torque * speed).sum(axis=1) / given.get("efficiency", 1.0)
-        turning = given["wheel"] * p.wheels
-        data = f"{given['wheel']:g} W of each, and torque times speed over {given.get('efficiency', 1.0):g}"
-        rows.append(["wheels", f"{turning + motor.mean():.3g}", f"{turning + motor.max():.3g}", data])
-    note = "In the hold without failure. Braking gives nothing back. Rods: heat, by the square of the dipole."
-    return Section("Power", [Table("Power of actuators", ["", "mean, W", "largest, W", "data"], rows, note)])

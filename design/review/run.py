@@ -18,6 +18,7 @@ from .content import Review, Section
 from .facts import Facts, facts
 from .flights import fly
 from .options import Options, Tell
+from .power import power
 
 SPEED = 25_000
 """Steps a second that a core flies of a satellite with one wheel, sensors and estimator."""
@@ -69,7 +70,7 @@ def review(
         station,
         failures,
         margins.section(found, read(file)),
-        manoeuvres.power(found, options, flown),
+        power(found, options, flown),
         required,
         _left(found),
     ]

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from fmus import places
+from orchestration.scenario.text import parse
 from plant.so3 import Array
 
 from .facts import Facts
@@ -140,6 +142,19 @@ def merged(*starts: dict[str, dict[str, Any]]) -> dict[str, Any]:
         for block, values in one.items():
             blocks.setdefault(block, {"start": {}})["start"].update(values)
     return blocks
+
+
+def perfect(facts: Facts) -> list[dict[str, dict[str, Any]]]:
+    """Returns start values with which sensors measure the attitude at any rate, and nothing else is wrong."""
+    if not {"plant_sensors", "estimator"} <= facts.blocks.keys():
+        return []
+    path = places.shared("scenarios") / "templates" / "satellite" / "sensors_perfect.yaml"
+    text = parse(path.read_text("utf-8"), str(path)).data["blocks"]
+    sensors = [n for n in contributors(facts) if CONTRIBUTORS[n][0] == "plant_sensors"]
+    free = dict.fromkeys(("attitude_rate_max", "attitude_sun_exclusion", "attitude_earth_exclusion"), 0)
+    told = {facts.blocks["estimator"]: text["estimator"]["start"]}
+    measured = {facts.blocks["plant_sensors"]: {**free, **text["sensors"]["start"]}}
+    return [without(facts, sensors), measured, told]
 
 
 def failures(facts: Facts) -> dict[str, dict[str, str]]:

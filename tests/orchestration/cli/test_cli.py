@@ -77,6 +77,7 @@ def test_a_run_says_which_fmu_it_builds_unless_quiet(loop, quick_build, monkeypa
         return loop.parent / "motor.fmu"
 
     monkeypatch.setattr("orchestration.session.open.ensure", built)
+    monkeypatch.setattr("orchestration.cli.run.noted", lambda scenario: [])  # which opens, and so builds, again here
     loop.write_text(loop.read_text().replace("fmu: motor.fmu", "fmu: plant"))
     assert orchestrate(loop.name, *options).stderr == told
 

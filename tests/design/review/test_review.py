@@ -1,0 +1,60 @@
+"""A whole review, of flights of a minute instead of orbits."""
+
+import csv
+
+import pytest
+
+from design.review import facts as of
+from design.review import flights, margins, page, run
+from design.review.options import Options, requirements
+from orchestration.session.read import read
+
+pytestmark = pytest.mark.fly
+
+SECTIONS = [
+    *("Satellite", "Disturbances", "Tumbles", "Pointing budget", "Agility", "Station tracking", "Single failures"),
+    *("Stability margins", "Power", "Requirements", "What was not looked at"),
+]
+ASKED = """
+requirements:
+  - {id: R1, metric: settling_time, below: 0.5 h, probability: 0.1, confidence: 0.5}
+  - {id: R2, metric: relative_error, below: 180 deg, probability: 0.1, confidence: 0.5}
+  - {id: R3, metric: jitter, below: 1 arcsec}
+power: {rod: 0.2 W, wheel: 0.3 W}
+"""
+
+
+def test_a_review_has_all_sections_and_goes_on_where_it_was_stopped(satellite, tmp_path, monkeypatch):
+    monkeypatch.setattr(of.Facts, "period", property(lambda self: 60.0))
+    (tmp_path / "asked.yaml").write_text(ASKED, "utf-8")
+    asked, power = requirements(tmp_path / "asked.yaml")
+    options = Options(runs=3, members=1, workers=0, requirements=asked, power=power)
+    said, told = [], []
+
+    def once():
+        return run.review(satellite, tmp_path / "out", options, lambda *at: told.append(at), said.append)
+
+    found = once()
+    assert [section.heading for section in found.sections] == SECTIONS
+    assert found.verdicts[2] == "not verifiable"
+    assert told[-1][1] == told[-1][2]
+    assert "flights" in said[0]
+    found.save(tmp_path / "out")
+    rows = list(csv.DictReader((tmp_path / "out" / "requirements.csv").open()))
+    assert [row["id"] for row in rows] == ["R1", "R2", "R3"]
+    assert "--replay" in rows[1]["worst case"]
+    text = page.page(found)
+    assert all(f". {heading}</h2>" in text for heading in SECTIONS)
+    monkeypatch.setattr(flights, "whole", lambda scenario: pytest.fail("it was flown again"))
+    again = once()
+    assert [t.rows for s in again.sections for t in s.tables] == [t.rows for s in found.sections for t in s.tables]
+
+
+def test_wheels_have_margins_in_each_channel_and_a_planned_controller_says_why_it_has_none(facts, four_wheels):
+    four = of.facts(four_wheels, None)
+    table = margins.section(four, read(four_wheels)).tables[0]
+    assert [row[0] for row in table.rows] == [*(f"plant.wheel_torque_cmd[{i}]" for i in (1, 2, 3, 4)), "all at once"]
+    # Quaternion feedback of the bandwidth w = 0.05 1/s crosses near 2.2 w; a double integrator with rate feedback
+    # keeps more than 60 deg there.
+    assert 60.0 < float(table.rows[-1][3].split()[0]) < 90.0
+    assert "no margins" in margins.section(facts, read(facts.file)).notes[0]
