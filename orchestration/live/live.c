@@ -1,6 +1,8 @@
 /* A run in a page: initialization as in master.py, then the loop of loop.c with the faults that set values.
  *
- * The page calls the exported functions: it writes start values and faults, then `begin`, then `advance` up to the end. */
+ * The page calls the exported functions: it writes start values and faults, then `begin`, then `advance` up to the end.
+ *
+ * Longer than 250 lines: what the page calls and what initialization calls in turn share what is static here. */
 #include "live.h"
 
 #include <math.h>

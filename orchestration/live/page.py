@@ -24,8 +24,7 @@ from ..system.wiring import Node
 from .motion import columns, motion
 from .sliders import Control
 from .system import Live
-from .tables import OBSERVED, observed
-from .verdicts import verdicts
+from .verdicts import OBSERVED, observed, verdicts
 
 _POLICY = " 'wasm-unsafe-eval'; worker-src blob:"
 _HERE = Path(__file__).parent

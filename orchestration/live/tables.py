@@ -22,6 +22,7 @@ from ..system.starts import Start
 from ..system.wiring import Node
 from .c_text import Text, fields, listed, number, quoted
 from .fault_tables import write_faults
+from .verdicts import OBSERVED, observed
 
 _CTYPES = dict(
     zip(
@@ -30,8 +31,6 @@ _CTYPES = dict(
         strict=True,
     )
 )
-OBSERVED = 1024
-"""Base steps of which the page keeps what expectations look at, at a time."""
 _EXCHANGE = "fmi2Status (*)(fmi2Component, const fmi2ValueReference[], size_t, void *)"
 
 
@@ -67,11 +66,6 @@ def tables(
 ) -> Tables:
     """Of a plan. `code` says whose functions an instance calls; `faults` are what each fault does."""
     return _Writer(plan, code).write(starts, faults)
-
-
-def observed(plan: Plan) -> list[Node]:
-    """Returns what expectations look at after every base step."""
-    return list(dict.fromkeys(node for check in plan.checks for node in check.needed))
 
 
 class _Writer:
@@ -188,8 +182,6 @@ class _Writer:
         code = self.code[name]
         functions = "Instantiate SetupExperiment EnterInitializationMode ExitInitializationMode SetString".split()
         return listed([quoted(name), quoted(code), *(f"{code}_fmi2{function}" for function in functions)])
-
-    # ------------------------------------------------------------ initialization
 
     def _starts(self, starts: Mapping[str, Sequence[Start]]) -> tuple[dict[Node, int], list[float]]:
         places: dict[Node, int] = {}

@@ -10,7 +10,14 @@ from ..quantities import shown
 from ..session.plan import Plan
 from ..system.phases import Phase
 from ..system.wiring import Node
-from .tables import observed
+
+OBSERVED = 1024
+"""Base steps of which the page keeps what expectations look at, at a time."""
+
+
+def observed(plan: Plan) -> list[Node]:
+    """Returns what expectations look at after every base step."""
+    return list(dict.fromkeys(node for check in plan.checks for node in check.needed))
 
 
 def verdicts(plan: Plan) -> list[dict[str, Any]]:
