@@ -83,7 +83,10 @@ def station(facts: Facts) -> tuple[list[Flight], str]:
     """Returns the flight that tracks a station beside the ground track, or why there is none."""
     kind = facts.controller
     if kind != "controller_planned" or "R_ref" not in set(interface(kind).variables):
-        return [], f"A station is not tracked: {kind or 'the controller'} takes no reference from a supervisor."
+        return (
+            [],
+            f"A station is not tracked: it is with controller_planned alone, and this is {kind or 'no controller'}.",
+        )
     if not {"plant_sensors", "estimator"} <= facts.blocks.keys():
         return [], "A station is not tracked: the scenario has no sensors or no estimator."
     p = facts.satellite.p

@@ -49,7 +49,7 @@ def test_each_flight_of_a_review_fits_its_blocks(wheels, facts, four_wheels, tmp
     holds = pointing.flights(found, OPTIONS, _case(found, tmp_path))
     tracks, why = manoeuvres.station(found)
     assert bool(tracks) == (wheels == "one")
-    assert ("takes no reference" in why) == (wheels == "four")
+    assert ("controller_planned alone" in why) == (wheels == "four")
     failing = manoeuvres.failing(found)
     for flight in (holds[0], holds[-1], manoeuvres.slews(found)[0], *tracks, failing[-1]):
         _opened(found, flight, tmp_path)
