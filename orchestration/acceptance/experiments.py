@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import csv
 import io
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -105,10 +106,8 @@ class _Reader(Carried):
                 if role.partition("/")[0] == "experiment" and entry.get("type") in EXPERIMENTS:
                     name = self.file(MANIFEST, entry, source)
                     experiments = self.root(name)
-                    if experiments.tag != "Experiments":
-                        raise self.wrong(
-                            name, experiments, f"expected the element Experiments, found {experiments.tag}"
-                        )
+                    if (tag := experiments.tag) != "Experiments":
+                        raise self.wrong(name, experiments, f"expected the element Experiments, found {tag}")
                     files += [(name, each) for each in experiments.findall("Experiment")]
                 elif role == "result" and entry.get("type") == "text/csv":
                     results.append((source, entry))
@@ -196,8 +195,7 @@ class _Reader(Carried):
             rows = list(csv.reader(io.StringIO(self.data(name).decode("utf-8-sig"))))
         except (UnicodeDecodeError, csv.Error) as error:
             raise self.located(name, None, f"no CSV file in UTF-8: {error}") from None
-        rows = [row for row in rows if row]
-        if len(rows) < 3 or rows[0][0].strip() != "time":
+        if len(rows := [row for row in rows if row]) < 3 or rows[0][0].strip() != "time":
             raise self.located(name, 1, "expected a column 'time', then signals, in two rows or more")
         labels = [label.strip() for label in rows[0]]
         texts = {v.name for v in self.model.variables.values() if v.type == "string"} | self.model.left_out.keys()
@@ -209,18 +207,16 @@ class _Reader(Carried):
         for i, row in enumerate(rows[1:]):
             if len(row) != len(rows[0]):
                 raise self.located(name, i + 2, f"expected {len(rows[0])} values, found {len(row)}")
-            cells = [row[0].strip(), *(word for j, array in elements.items() for word in self._words(row[j], array))]
+            words = (row[j].split() if len(array) > 1 else [row[j].strip()] for j, array in elements.items())
+            cells = [row[0].strip(), *itertools.chain.from_iterable(words)]
             if len(cells) != len(places):
-                raise self.located(
-                    name, i + 2, f"expected {len(places)} values with those of arrays, found {len(cells)}"
-                )
+                raise self.located(name, i + 2, f"expected {len(places)} values in arrays, found {len(cells)}")
             try:
                 values[i] = [float(_NUMBERS.get(cell.lower(), cell)) for cell in cells]
             except ValueError as error:
                 raise self.located(name, i + 2, str(error)) from None
-        if not np.isfinite(values).all():
-            at = int(np.argwhere(~np.isfinite(values))[0][0])
-            raise self.located(name, at + 2, "expected finite numbers")
+        if len(at := np.argwhere(~np.isfinite(values))):
+            raise self.located(name, int(at[0][0]) + 2, "expected finite numbers")
         if not (np.diff(values[:, 0]) >= 0.0).all() or values[0, 0] != 0.0 or values[-1, 0] == 0.0:
             raise self.located(name, 2, "expected times that begin at 0 and rise")
         columns = {element: values[:, i] for i, element in enumerate(places) if i}
@@ -228,14 +224,11 @@ class _Reader(Carried):
 
     def _array(self, where: str, label: str, causality: str) -> list[Element]:
         """The elements of a column: of FMI 3.0 an array's in one, with blanks between them."""
-        if label in self.model.variables and self.model.variables[label].shape:
-            self._element(where, 1, self.model.variables[label].label(0), causality)
-            return list(self.model.variables[label].elements)
-        return [self._element(where, 1, label, causality)]
-
-    @staticmethod
-    def _words(cell: str, array: list[Element]) -> list[str]:
-        return cell.split() if len(array) > 1 else [cell.strip()]
+        array = self.model.variables.get(label)
+        if array is None or not array.shape:
+            return [self._element(where, 1, label, causality)]
+        self._element(where, 1, array.label(0), causality)
+        return list(array.elements)
 
     def _element(self, where: str, line: int | None, name: str, causality: str) -> Element:
         if not hasattr(self, "_labels"):
