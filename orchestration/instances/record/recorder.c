@@ -1,7 +1,9 @@
 /* Stands before an FMU's functions: writes each call into mapped memory, passes it on, and writes its answer behind it.
  *
  * The file is mapped by the caller, so that what is written is kept whatever becomes of the process. Nothing is
- * allocated here: `room` gives further memory, and moves the window on the file. calls.h has the format. */
+ * allocated here: `room` moves the window on the file, and `memory` gives more of it. calls.h has the format.
+ *
+ * Longer than 250 lines: each kind of function of both versions of FMI has its own arguments. */
 #include "calls.h"
 
 #include <stdbool.h>
