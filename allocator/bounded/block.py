@@ -41,8 +41,8 @@ class State:
     """Of one wheel nothing is remembered but the time."""
 
     t: float
-    watch: Watch | None = None
-    """Of a set: what its wheels have given of their commands."""
+    watch: Array | None = None
+    """(5, 4) of a set, the rows of its `Watch`: what its wheels have given of their commands."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Outputs:
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0; the first command is that of the inputs u."""
     first = outputs(State(0.0), u, p)
-    return State(0.0, Watch.begun(u.h_w, first.wheel_torque_cmd) if p.is_set else None)
+    return State(0.0, Watch.begun(u.h_w, first.wheel_torque_cmd).rows() if p.is_set else None)
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
@@ -72,7 +72,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     with_field = B >= FIELD_MIN
     gains = np.ones(3) if (np.abs(u.rod_gains) >= ABSENT_MIN).any() else u.rod_gains
     by_rods = rod_matrix(u.b_B, p.U) * gains[: p.rods] if with_field else np.zeros((3, p.rods))
-    failed = x.watch.failed(p) if x.watch is not None else np.zeros(len(np.atleast_2d(p.wheel_axis)), bool)
+    failed = Watch(*x.watch).failed(p) if x.watch is not None else np.zeros(len(np.atleast_2d(p.wheel_axis)), bool)
     actuators = _actuators(u, p, by_rods, with_field, failed)
     spin = spin_torque(u.omega_B, p.of_wheels(u.h_w), p.axes)
     commands, fraction = allocate(u.tau_cmd_B - spin, actuators)
@@ -95,9 +95,9 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u are the inputs at t + h."""
     if x.watch is None:
         return State(x.t + h), outputs(x, u, p)
-    watch = x.watch.after(u.h_w, h, p)
-    y = outputs(State(x.t, watch), u, p)
-    return State(x.t + h, watch.keeping(u.h_w, y.wheel_torque_cmd)), y
+    watch = Watch(*x.watch).after(u.h_w, h, p)
+    y = outputs(State(x.t, watch.rows()), u, p)
+    return State(x.t + h, watch.keeping(u.h_w, y.wheel_torque_cmd).rows()), y
 
 
 def _to_port(values: Array, p: Parameters) -> OfWheels:

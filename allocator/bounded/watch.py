@@ -54,6 +54,10 @@ class Watch:
             failed_for=np.where(already, longer, np.where(found, h, 0.0)),
         )
 
+    def rows(self) -> Array:
+        """Returns the watch as an array (5, 4), as a state can hold it."""
+        return np.stack((self.h_w, self.command, self.given, self.asked, self.failed_for))
+
     def keeping(self, h_w: Array, command: Array) -> Watch:
         """Returns the watch with what the next sample is compared with."""
         return replace(self, h_w=h_w, command=command)
