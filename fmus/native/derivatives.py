@@ -108,4 +108,7 @@ def _state(interface: Interface, native: Path) -> str:
         raise InterfaceError(
             f"{interface.code}.h: derivatives: expected a state of numbers, Booleans and arrays of them, a line each"
         )
-    return found[1]
+    fields = found[1]
+    for part, count in interface.sets.items():  # they stand before the header that has these constants
+        fields = fields.replace(f"{interface.code}_{part}s".upper(), str(count))
+    return fields

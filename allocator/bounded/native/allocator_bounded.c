@@ -108,7 +108,7 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
         y->wheel_torque_cmd[i] = given.dh_w[i];
         y->b_wheel[i] = there && with_field ? dot(b_B, axis) / B : 0.0;
 #if ALLOCATOR_BOUNDED_WHEELS > 1
-        y->wheel_failed[i] = law->p.find_failures && x->wheels[i].failed_for > 0.0;
+        y->wheel_failed[i] = law->p.find_failures && x->failed_for[i] > 0.0;
 #endif
     }
     store(vector(given.dipole), y->dipole_cmd);

@@ -12,20 +12,13 @@
 #include "fault.h"
 #include "allocator_bounded_ports.h"
 
-#if ALLOCATOR_BOUNDED_WHEELS > 1
-/* What a wheel has given of its commands. */
 typedef struct {
-    double h_w, command; /* of the last sample, N m s and N m */
-    double given, asked; /* sums of command times change of momentum, and of command squared times time; forgotten */
-    double failed_for;   /* s since it was found to give less than half; 0: it was not */
-} WatchedWheel;
-#endif
-
-typedef struct {
-    double t; /* s */
-#if ALLOCATOR_BOUNDED_WHEELS > 1
-    WatchedWheel wheels[ALLOCATOR_BOUNDED_WHEELS];
-#endif
+    double t;                                    /* s */
+    double h_w[ALLOCATOR_BOUNDED_WHEELS];        /* of the last sample, N m s */
+    double command[ALLOCATOR_BOUNDED_WHEELS];    /* of the last sample, N m */
+    double given[ALLOCATOR_BOUNDED_WHEELS];      /* sum of command times change of momentum; forgotten */
+    double asked[ALLOCATOR_BOUNDED_WHEELS];      /* sum of command squared times time; forgotten */
+    double failed_for[ALLOCATOR_BOUNDED_WHEELS]; /* s since it was found to give less than half; 0: it was not */
 } AllocatorBoundedState;
 
 /* Parameters and what follows from them alone. */

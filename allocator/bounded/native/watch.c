@@ -14,7 +14,7 @@ double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const Alloca
     if (allocator_bounded_has_wheel_gains(u)) {
         return u->wheel_gains[i];
     }
-    return law->p.find_failures && x->wheels[i].failed_for > 0.0 ? 0.0 : 1.0;
+    return law->p.find_failures && x->failed_for[i] > 0.0 ? 0.0 : 1.0;
 }
 
 void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,
@@ -22,24 +22,25 @@ void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoun
 {
     const double kept = 1.0 / (1.0 + h / FORGOTTEN);
     for (int i = 0; i < law->p.wheels; ++i) {
-        WatchedWheel *wheel = &x->wheels[i];
-        if (wheel->failed_for > 0.0) {
-            const double longer = wheel->failed_for + h;
-            *wheel = (WatchedWheel){.failed_for = longer > RETRY ? 0.0 : longer};
+        if (x->failed_for[i] > 0.0) {
+            const double longer = x->failed_for[i] + h;
+            x->given[i] = 0.0;
+            x->asked[i] = 0.0;
+            x->failed_for[i] = longer > RETRY ? 0.0 : longer;
             continue;
         }
         const double torque = TRUST_TORQUE * law->p.wheel_torque_max[i], trust = torque * torque * TRUST_TIME;
-        wheel->given = kept * wheel->given + wheel->command * (u->h_w[i] - wheel->h_w);
-        wheel->asked = kept * wheel->asked + wheel->command * wheel->command * h;
-        wheel->failed_for = wheel->given + trust < 0.5 * (wheel->asked + trust) ? h : 0.0;
+        x->given[i] = kept * x->given[i] + x->command[i] * (u->h_w[i] - x->h_w[i]);
+        x->asked[i] = kept * x->asked[i] + x->command[i] * x->command[i] * h;
+        x->failed_for[i] = x->given[i] + trust < 0.5 * (x->asked[i] + trust) ? h : 0.0;
     }
 }
 
 void allocator_bounded_keep(const AllocatorBoundedInputs *u, const AllocatorBoundedOutputs *y, AllocatorBoundedState *x)
 {
     for (int i = 0; i < ALLOCATOR_BOUNDED_WHEELS; ++i) {
-        x->wheels[i].h_w = u->h_w[i];
-        x->wheels[i].command = y->wheel_torque_cmd[i];
+        x->h_w[i] = u->h_w[i];
+        x->command[i] = y->wheel_torque_cmd[i];
     }
 }
 
