@@ -45,7 +45,7 @@ def structures(folder: Path) -> dict[str, dict[str, str]]:
     """Type of each member of each structure in the headers of a folder."""
     found: dict[str, dict[str, str]] = {}
     for header in sorted(folder.rglob("*.h")):
-        text = re.sub(r"/\*.*?\*/", "", header.read_text("utf-8"), flags=re.DOTALL)
+        text = re.sub(r"/\*.*?\*/|^#.*?$", "", header.read_text("utf-8"), flags=re.DOTALL | re.MULTILINE)
         for body, name in re.findall(r"typedef struct \{((?:[^{}]|\{[^{}]*\})*)\} (\w+);", text):
             inner = re.sub(r"struct \{[^{}]*\}", "struct", body)
             members = re.findall(r"(?:const )?(\w+) ([^;]+);", inner)

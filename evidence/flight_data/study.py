@@ -25,8 +25,7 @@ Floats = NDArray[np.float64]
 LONG = 600.0
 """s; a record of at least this length is calibrated by itself."""
 LIT = 0.25
-"""A face sees the Sun where its current, less that of the Earth's light, is above this part of the Sun's at normal
-incidence: the Earth gives about so much at most."""
+"""Part of the Sun's current at normal incidence from which a face sees the Sun: the Earth gives so much at most."""
 ALBEDO = 0.3
 """Mean of the Earth."""
 AIR = 22e3
@@ -36,8 +35,7 @@ FIT = 100.0
 NUTATES = np.radians(0.15)
 """rad/s: a record whose rate across the spin varies more than this takes part in the inertia."""
 FALSE = 15.0
-"""deg rms: an attitude that is trusted and is farther from the Sun sensors is a false convergence that nobody
-reported."""
+"""deg rms, beyond which an attitude that is trusted is a false convergence that nobody reported."""
 
 
 @dataclass(frozen=True)
@@ -183,16 +181,8 @@ def long_record(flight: Flight, others: list[Calibration], names: list[str], noi
     }
     found = attitudes(flight, symmetric(own).field(flight.t, flight.m), field_N, noise)
     constant = calibrate(flight.t, flight.m, size, interval=1e9).rms
-    return Shown(
-        flight,
-        own,
-        constant,
-        crossed,
-        found,
-        sky(flight, found)[0],
-        pair(flight, found),
-        edges(flight, found),
-    )
+    three, two = sky(flight, found)[0], pair(flight, found)
+    return Shown(flight, own, constant, crossed, found, three, two, edges(flight, found))
 
 
 WALKS = (1e-6, 3e-6, 1e-5, 3e-5, 1e-4)
