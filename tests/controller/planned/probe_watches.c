@@ -14,7 +14,7 @@ PROBE void probe_watch_rods(double dt, double T, double pause, double effect, in
     for (int i = 0; i < n; ++i) {
         watch.rate = body[i];
         if (begun[i]) {
-            controller_planned_pause_watch(&watch);
+            controller_planned_pause_watch(T, &watch);
         }
         suspected[i] = controller_planned_watch_rods(dt, T, vector(innovations + 3 * i), 1.0, &watch);
     }
@@ -55,7 +55,8 @@ PROBE void probe_watch_wheel(const ControllerPlannedParameters *p, double dt, do
     controller_planned_friction_start(p, T, &friction);
     for (int i = 0; i < n; ++i) {
         controller_planned_friction_learn(dt, torque[i], l[i], l_next[i], &friction);
+        controller_planned_wheel_changes(&friction);
         failed[i] = controller_planned_wheel_failed(&friction);
-        stuck[i] = controller_planned_wheel_stuck(&friction);
+        stuck[i] = friction.stuck;
     }
 }

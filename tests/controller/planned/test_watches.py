@@ -108,15 +108,15 @@ def test_a_wrong_field_fails_and_is_used_again_as_often_as_it_comes_and_goes():
 
 
 def test_a_wheel_that_gives_nothing_is_stuck_and_one_that_gives_again_is_not_each_time():
-    """It is known after 0.2 of 2 T of such torques, 20 s."""
-    gives = (np.arange(400) // 100) % 2 == 1
-    torque = np.where(np.arange(400) % 2, 3e-3, -3e-3)
+    """It is known after 0.2 of 2 T of such torques, 20 s; that it follows its torque is seen over 3 T, 150 s."""
+    gives = (np.arange(1600) // 400) % 2 == 1
+    torque = np.where(np.arange(1600) % 2, 3e-3, -3e-3)
     l_next = np.where(gives, torque, 0.0)
-    failed, stuck = core.wheel_failed(1.0, T, torque, np.zeros(400), l_next)
+    failed, stuck = core.wheel_failed(1.0, T, torque, np.zeros(1600), l_next)
     for flags in (failed, stuck):
         assert not flags[:20].any()
-        assert flags[20:100].all()
-        assert not flags[190]
-        assert flags[290]
-        assert not flags[390]
-    assert not core.wheel_failed(1.0, T, 0.1 * torque, np.zeros(400), np.zeros(400))[0].any(), "too little is asked"
+        assert flags[20:400].all()
+        assert not flags[700:800].any()
+        assert flags[850:1200].all()
+        assert not flags[1550:].any()
+    assert not core.wheel_failed(1.0, T, 0.1 * torque, np.zeros(1600), np.zeros(1600))[0].any(), "too little is asked"
