@@ -117,6 +117,6 @@ def test_a_wheel_that_gives_nothing_is_stuck_and_one_that_gives_again_is_not_eac
         assert not flags[:20].any()
         assert flags[20:400].all()
         assert not flags[700:800].any()
-        assert flags[850:1200].all()
+        assert flags[870:1200].all()
         assert not flags[1550:].any()
     assert not core.wheel_failed(1.0, T, 0.1 * torque, np.zeros(1600), np.zeros(1600))[0].any(), "too little is asked"
