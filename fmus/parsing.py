@@ -116,7 +116,7 @@ def parse(text: str, file: str = "<interface>") -> Interface:
         step=float(data["experiment"]["step"]),
         variables=variables,
         source=text,
-        terminals=terminals_for(_terminals(data.get("terminals", {}), variables, file), variables, chosen),
+        terminals=terminals_for(_terminals(data, variables, file), variables, chosen),
         equations=tuple((formula, meaning) for formula, meaning in data.get("page", {}).get("equations", ())),
         limits=tuple(data.get("page", {}).get("limits", ())),
         flavours=_flavours(data["block"], file),
@@ -292,7 +292,9 @@ def _index_fits(index: str, known: tuple[int, ...], output: tuple[int, ...]) -> 
     return not index
 
 
-def _terminals(entries: dict[str, list[str]], variables: dict[str, Variable], file: str) -> dict[str, tuple[str, ...]]:
+def _terminals(data: dict[str, Any], variables: dict[str, Variable], file: str) -> dict[str, tuple[str, ...]]:
+    only_of_others = data["variables"].keys() - variables.keys()
+    entries = {n: members for n, members in data.get("terminals", {}).items() if not only_of_others.issuperset(members)}
     for name, members in entries.items():
         causalities = {variables[member].causality if member in variables else "missing" for member in members}
         if causalities not in ({"input"}, {"output"}):

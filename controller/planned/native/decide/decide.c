@@ -1,6 +1,6 @@
 /* The sample's decision: the phase, and the plan or the steering that is flown. docs/how/planned.md, Phases.
- * It gives up a wheel that is stuck, and takes it again. A rod that has failed needs no decision: plan and steering use the gains that are
- * estimated, and the output `failed_rod` only reports it.
+ * It gives up a wheel that is stuck, and takes it again. A rod that has failed needs no decision: plan and steering use
+ * the gains that are estimated, and the output `failed_rod` only reports it.
  * Tests: test_closed_loop.py, test_block.py. */
 #include "../plan/cost.h"
 #include "../plan/renew.h"

@@ -31,7 +31,7 @@ typedef struct {
     double variance[2];  /* rad2, rad2/s2, of a measurement */
     Vector sigma_B;      /* rad, of an attitude that an estimator gives */
     bool estimated;      /* an estimator gives attitude and rate: errors of its attitude last, and tell nothing */
-    double dipole;       /* A m2, of a rod at its limit */
+    double dipole;       /* A m2, of the strongest rod at its limit */
     double rate_density; /* rad2/s3, of the model's error at rest */
     double bias_density; /* rad2/s3, of the bias's change */
     double torque_density; /* (N m)2/s, of the disturbance's change */

@@ -144,7 +144,7 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     id->spread = p->identify ? p->identify_spread : 0.0;
     id->limit[0] = p->rate_bias_max;
     id->limit[2] = scales->residual_dipole_max;
-    id->dipole = p->dipole_max;
+    id->dipole = p->dipole_max * larger(larger(p->rod_limits[0], p->rod_limits[1]), p->rod_limits[2]);
     id->limit[3] = PRODUCTS * TRUST * scales->momentum * T;
     controller_planned_set_noise(p, u, id);
     id->rate_density = REST_NOISE * REST_NOISE / (T * T * T);
