@@ -113,7 +113,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "v_N": V_N * rng.uniform(0.98, 1.02) + 50.0 * rng.normal(size=3),
         "h_w": 1e-2 * rng.normal(),
         "b_B": 2e-5 * rng.normal(size=3),
-        "attitude_sigma_B": 1e-3 * rng.uniform(0.5, 2.0, size=3),
+        "attitude_sigma_B": [1e-3, 5e-4, 2e-3],
         "u_applied": [*(0.1 * rng.normal(size=3)), 1e-5 * rng.normal()],
         "tau_cmd_B": rng.choice([1e-5, 1e-3]) * rng.normal(size=3),
         "dipole_ff": 3.0 * rng.normal(size=3),

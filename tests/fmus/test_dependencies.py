@@ -269,7 +269,7 @@ POINTS = {
     ("block", "parameters", "at_one_state", "at_many"),
     [
         ("plant_sensors", {"attitude_bias_B": [0.0, 0.0, 0.0]}, 69, 387),
-        ("controller_planned", next(settings("controller_planned")), 171, 320),
+        ("controller_planned", next(settings("controller_planned")), 168, 320),
     ],
 )
 def test_at_one_state_fewer_pairs_are_seen_than_there_are(block, parameters, at_one_state, at_many):

@@ -48,7 +48,7 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
         "allocator_bounded_wheels": [
             {"rod_axes": np.eye(3) * 1.0 - 1e-4 * np.eye(3)},
             {"rod_axes": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]},
-            {"wheels": 2, "wheel_weight": 1e-5},
+            {"wheel_weight": 1e-5, "wheels": 2},
             {"wheel_momentum_target": [0.04, 0.0, 0.0, 0.0]},
             {"null_space_momentum": 0.02},
         ],
