@@ -191,6 +191,7 @@ def test_plots_are_drawn_when_they_come_near_the_screen_and_all_of_them_on_paper
     tab.page.evaluate("document.querySelectorAll('details').forEach(fold => fold.open = true)")
     tab.resize(1366, 200)
     tab.page.reload()
+    tab.page.locator(".plot").first.scroll_into_view_if_needed()  # inputs stand before them
     tab.settle()
     few, every = tab.page.evaluate(drawn), tab.page.locator(".plot").count()
     assert 0 < few < every
