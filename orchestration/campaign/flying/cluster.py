@@ -216,13 +216,19 @@ def local(workers: int | None = None, dashboard: bool = False) -> Iterator[Any]:
         raise InputError("Dask's dashboard needs the package 'bokeh'; remedy: pip install bokeh, or no --dashboard")
     if not dashboard:  # else Dask would serve pages about itself without one, too
         dask.config.set({"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []})
-    with dask.config.set(_settings(dashboard)), _started(workers or os.cpu_count() or 1, dashboard) as cluster:
-        yield cluster
+    before = dict(os.environ)
+    os.environ["PYTHONSAFEPATH"] = "1"  # else workers would import a `signal.py` of the working folder
+    try:
+        with dask.config.set(_settings(dashboard)), _started(workers or os.cpu_count() or 1, dashboard) as cluster:
+            yield cluster
+    finally:  # Dask sets some more for its workers
+        for name in os.environ.keys() - before.keys():
+            del os.environ[name]
+        os.environ |= before
 
 
 def _started(workers: int, dashboard: bool) -> LocalCluster:
     """Starts so many workers; once more where one of them dies before it has started. Raises CrewLost."""
-    os.environ["PYTHONSAFEPATH"] = "1"  # else they would import a `signal.py` of the working folder
     for left in reversed(range(_TRIES)):
         try:
             return LocalCluster(

@@ -149,12 +149,12 @@ def test_a_connection_that_breaks_off_while_a_worker_takes_in_the_campaign_is_tr
     assert len(tries) == 2
 
 
-def test_workers_import_nothing_from_the_working_folder(tmp_path):
+def test_workers_import_nothing_from_the_working_folder_and_leave_the_environment_as_it_was(tmp_path):
     (tmp_path / "signal.py").write_text("open('imported', 'w')\n")
     (tmp_path / "locale.py").write_text("open('imported', 'w')\n")
     program = (
-        "if __name__ == '__main__':\n from orchestration.campaign.flying.cluster import _started\n "
-        "_started(1, False).close()"
+        "import os\nfrom orchestration.campaign.flying.cluster import local\n"
+        "if __name__ == '__main__':\n before = dict(os.environ)\n with local(1): pass\n assert os.environ == before"
     )
     script = tmp_path / "elsewhere" / "start.py"
     script.parent.mkdir()
