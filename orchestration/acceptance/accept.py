@@ -80,7 +80,7 @@ def accept(path: Path, as_: str, map_: Path | None, source: Source, block: str) 
     """Looks at an FMU for a scenario's block. Raises InputError where it cannot be looked at at all."""
     findings, fitted = check(path, as_, map_, tolerance=1e-6)
     made = Acceptance(facts(str(path), lenient=True), block, load(source).name, findings, fitted)
-    made.mapping, made.license = str(map_ or ""), _license(path, made)
+    made.mapping, made.license = str(map_ or ""), _license(path)
     theirs = swapped(source, [Swap(block, str(path), "FMU", str(map_) if map_ else None, "--map")])
     if map_ is None and fitted is not None and made.errors:
         made.proposed, made.mapping = suggest(fitted), "proposed"
@@ -121,7 +121,7 @@ def _inputs(comparison: Comparison) -> dict[str, Any]:
     return {name: values.reshape(len(values), -1)[at].astype(float) for name, values in rows.items()}
 
 
-def _license(path: Path, made: Acceptance) -> list[str]:
+def _license(path: Path) -> list[str]:
     names = zipped.names(path, "FMU")
     return [name for name in names if "license" in name.lower() and not name.endswith("/")]
 
@@ -133,8 +133,8 @@ def _requirements(made: Acceptance) -> Iterator[Trial]:
     yield Trial("it fits the interface", "failed" if errors else "met", text)
     here = PLATFORM in made.facts["platforms"] or made.comparison is not None
     yield Trial("it has a library for this machine", "met" if here else "failed", ", ".join(made.facts["platforms"]))
-    warnings = [f for f in made.findings if f.level == "warning"]
-    yield Trial("its description is valid", "failed" if made.facts["not_valid"] else "met", f"{len(warnings)} noted")
+    warnings = sum(f.level == "warning" for f in made.findings)
+    yield Trial("its description is valid", "failed" if made.facts["not_valid"] else "met", f"warnings: {warnings}")
     played = [f for f in made.findings if f.topic.startswith(_REFERENCE)]
     status = "" if not played else "failed" if any(f.level == "error" for f in played) else "met"
     yield Trial(
@@ -168,7 +168,7 @@ def _requirements(made: Acceptance) -> Iterator[Trial]:
 
 def untested(made: Acceptance) -> list[str]:
     """Returns what the report says nothing of."""
-    others = [name for name in made.facts["platforms"] if name not in (PLATFORM,)]
+    others = [name for name in made.facts["platforms"] if name != PLATFORM]
     left = [f"its libraries for {', '.join(others)}: they were read, not run"] if others else []
     left += [f"{one.name}: {one.text}" for one in made.requirements if not one.status]
     if made.fit is not None:
@@ -198,7 +198,7 @@ def summary(made: Acceptance) -> dict[str, Any]:
         "corrected": made.corrected,
         "accepted": made.passed,
         "requirements": [asdict(one) for one in made.requirements],
-        "findings": [{"level": f.level, "topic": f.topic, "text": f.text, "remedy": f.remedy} for f in made.findings],
+        "findings": [finding.data for finding in made.findings],
         "comparison": None if made.comparison is None else verdict.summary(made.comparison),
         "not_tested": untested(made),
     }

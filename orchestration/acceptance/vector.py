@@ -20,6 +20,7 @@ from ..fmu.interfaces import reference
 from ..fmu.model import Floats
 from ..scenario.references import Name
 from ..scenario.scenario import Scenario
+from ..scenario.source import Source
 from ..session.read import load
 from ..session.run import whole
 from ..swap.findings import Finding, Fit
@@ -77,6 +78,15 @@ def scenario_of(block: str) -> Path:
         remedy = f"remedy: --scenario FILE with 'fmu: {block}'"
         raise InputError(f"no scenario of the project has the block {block!r}; {remedy}")
     return found
+
+
+def part_of(path: Path, block: str) -> tuple[Source, str]:
+    """Returns a run, and how a block of the project is called in it. Raises InputError where it has no part in it."""
+    scenario = load(path)
+    name = name_of(scenario, block)
+    if name is None:
+        raise InputError(f"{shown(path)} has no block with the interface {block!r}")
+    return scenario.source, name
 
 
 def name_of(scenario: Scenario, block: str) -> str | None:

@@ -11,11 +11,9 @@ import click
 
 from ..acceptance.accept import accept, scenario_for, summary
 from ..acceptance.accept_page import FILES, write
-from ..acceptance.vector import name_of
-from ..errors import InputError
+from ..acceptance.vector import part_of
 from ..fmu.archive import shown
 from ..results.place import refuse_foreign
-from ..session.read import load, read
 from .console import complain, open_page, say, say_json, say_table
 from .help import examples
 from .options import OPEN, as_json, out_folder
@@ -57,10 +55,7 @@ def command(
     Exit status: 0 accepted, 1 not accepted, 2 wrong input, 3 the FMU failed.
     """
     path = scenario or scenario_for(as_)
-    source = read(path)
-    block = name_of(load(source), as_)
-    if block is None:
-        raise InputError(f"{shown(path)} has no block with the interface {as_!r}")
+    source, block = part_of(path, as_)
     target = out or Path("results") / f"{fmu.stem}-acceptance"
     refuse_foreign(target, FILES)
     made = accept(fmu, as_, map_, source, block)

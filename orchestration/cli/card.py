@@ -14,11 +14,11 @@ from ..acceptance.polarity import card_page
 from ..acceptance.polarity.card import card
 from ..acceptance.polarity.fly import Loop
 from ..acceptance.polarity.vendor_card import lines, settings
-from ..acceptance.vector import name_of, scenario_of
+from ..acceptance.vector import part_of, scenario_of
 from ..errors import InputError
 from ..fmu.archive import shown
 from ..results.place import check_writable
-from ..session.read import load, read
+from ..session.read import load
 from ..swap.findings import unfed
 from .console import open_page, say
 from .help import examples
@@ -55,10 +55,7 @@ def command(fmu: Path, as_: str, map_: Path | None, scenario: Path | None, out: 
             f"remedy: orchestrate check {shown(fmu)} --as {as_} --suggest"
         )
     path = scenario or scenario_of(as_)
-    source = read(path)
-    block = name_of(load(source), as_)
-    if block is None:
-        raise InputError(f"{shown(path)} has no block with the interface {as_!r}")
+    source, block = part_of(path, as_)
     target = out or Path("results") / f"{fmu.stem}-card"
     check_writable(target)
     loop = Loop(source)

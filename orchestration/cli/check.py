@@ -105,9 +105,8 @@ def command(
         say(proposed(fitted).rstrip())
         ctx.exit(0)
     if json_:
-        listed = [{"level": f.level, "topic": f.topic, "text": f.text, "remedy": f.remedy} for f in findings]
         about = {"fmu": str(fmu), "as": as_, "map": None if map_ is None else str(map_), "fits": fits}
-        say_json({**about, "findings": listed})
+        say_json({**about, "findings": [finding.data for finding in findings]})
     else:
         _print(fmu, as_, map_, findings)
     ctx.exit(0 if fits else DOES_NOT_FIT)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import math
 from collections.abc import Callable
 from functools import wraps
 from typing import Any
@@ -9,6 +11,7 @@ from typing import Any
 import click
 
 from ..errors import InputError
+from ..quantities import QuantityError, Unit, value_in
 from ..scenario.realtime import OFF
 from .overrides import Changes
 from .paths import PATH
@@ -118,3 +121,19 @@ def as_json(what: str) -> Callable[[Any], Any]:
 def out_folder(help: str) -> Callable[[Any], Any]:
     """Returns the option `--out DIR`."""
     return click.option("-o", "--out", type=PATH, metavar="DIR", help=help)
+
+
+def quantity(option: str, text: str | None, unit: Unit) -> float | None:
+    """Returns a positive number of an option, None where it is not given. Raises InputError."""
+    if text is None:
+        return None
+    try:
+        number: Any = text
+        with contextlib.suppress(ValueError):
+            number = float(text)
+        value = value_in(number, unit)
+    except QuantityError as error:
+        raise InputError(f"{option} {text}: {error}") from None
+    if not 0.0 < value < math.inf:
+        raise InputError(f"{option} {text}: expected above zero, found {value:g} {unit.name}")
+    return value

@@ -31,6 +31,11 @@ class Finding:
     def __str__(self) -> str:
         return self.text + (f"; remedy: {self.remedy}" if self.remedy else "")
 
+    @property
+    def data(self) -> dict[str, str]:
+        """Returns it as `--json` and acceptance.json have it."""
+        return {"level": self.level, "topic": self.topic, "text": self.text, "remedy": self.remedy}
+
 
 @dataclass(frozen=True)
 class Link:

@@ -44,7 +44,7 @@ def test_a_constant_torque_gathers_what_the_turning_body_leaves_of_it(satellite,
     )
     file.write_text(f"name: pushed\nextends: {satellite}\nblocks: {{plant: {{start: {{{start}}}}}}}\n", "utf-8")
     facts = of.facts(file, None)
-    table, margins = inputs.disturbances(facts).tables
+    table, margins = inputs.disturbances(facts)[0].tables
     rows = {row[0]: row for row in table.rows}
     assert rows["constant"][1:4] == ["1e+03", "1e+03", "1e+03"]
     # In the plane of the orbit its direction turns once: at half of the orbit 2 tau T/(2 pi) has gathered.
