@@ -6,20 +6,18 @@ Exit status: 0 all well; 1 the time asked for is impossible, or sized gains may 
 
 from __future__ import annotations
 
-import contextlib
 from pathlib import Path
-from typing import Any
 
 import click
 from rich.console import Console
 from rich.table import Table
 
-from orchestration import InputError
 from orchestration import load as load_scenario
 from orchestration.cli.console import say
 from orchestration.cli.help import examples
+from orchestration.cli.options import quantity
 from orchestration.cli.overrides import overridden
-from orchestration.quantities import SECOND, QuantityError, Unit, parse_unit, value_in
+from orchestration.quantities import SECOND, Unit, parse_unit
 from orchestration.session.read import read as read_source
 
 from .gains import setup_of, study, table
@@ -30,22 +28,6 @@ from .plausible import findings
 IMPOSSIBLE = 1
 _DIPOLE = Unit("A.m2", (0, 2, 0, 1, 0, 0, 0, 0))
 _ANGLE, _RATE, _TORQUE = parse_unit("rad"), parse_unit("rad/s"), parse_unit("N.m")
-
-
-def _quantity(option: str, text: str | None, unit: Unit) -> float | None:
-    """A positive number of an option, or None where it is not given."""
-    if text is None:
-        return None
-    try:
-        number: Any = text
-        with contextlib.suppress(ValueError):
-            number = float(text)
-        value = value_in(number, unit)
-    except QuantityError as error:
-        raise InputError(f"{option} {text}: {error}") from None
-    if not 0.0 < value < float("inf"):
-        raise InputError(f"{option} {text}: expected above zero, found {value:g} {unit.name}")
-    return value
 
 
 @click.command(
@@ -68,9 +50,9 @@ def momentum_bound(
 
     No controller flies SCENARIO's manoeuvre sooner, by the balance of angular momentum. Exit status 1 where --time is
     impossible."""
-    wanted = _quantity("--time", time, SECOND)
-    limit = _quantity("--dipole-max", dipole_max, _DIPOLE)
-    longest = _quantity("--horizon", horizon, SECOND) or 0.0
+    wanted = quantity("--time", time, SECOND)
+    limit = quantity("--dipole-max", dipole_max, _DIPOLE)
+    longest = quantity("--horizon", horizon, SECOND) or 0.0
     setup = read(overridden(read_source(scenario), sets))
     bound = balance(setup, limit, max(longest, wanted or 0.0))
     times = bound.least_time()
@@ -148,10 +130,10 @@ def sizing(
     setup = setup_of(overridden(read_source(file), sets))
     found = study(
         setup,
-        _quantity("--time", time, SECOND) or 0.0,
-        _quantity("--attitude-error", attitude_error, _ANGLE),
-        _quantity("--rate", rate, _RATE),
-        _quantity("--torque", torque, _TORQUE),
+        quantity("--time", time, SECOND) or 0.0,
+        quantity("--attitude-error", attitude_error, _ANGLE),
+        quantity("--rate", rate, _RATE),
+        quantity("--torque", torque, _TORQUE),
         damping,
         schedule,
     )
@@ -188,7 +170,7 @@ def plausible(ctx: click.Context, scenario: Path, mass: str | None, sets: tuple[
     1 where there is a finding.
     """
     loaded = load_scenario(overridden(read_source(scenario), sets))
-    found = findings(loaded, _quantity("--mass", mass, parse_unit("kg")))
+    found = findings(loaded, quantity("--mass", mass, parse_unit("kg")))
     for finding in found:
         say(f"{finding}")
     say(f"{loaded.name}: {len(found) or 'no'} finding{'s' if len(found) != 1 else ''}", bold=True)

@@ -10,32 +10,16 @@ import click
 from orchestration import InputError
 from orchestration.cli.console import Progress, open_page, say, say_table
 from orchestration.cli.help import examples
-from orchestration.cli.options import OPEN, QUIET
-from orchestration.errors import Place, Problem
-from orchestration.quantities import SECOND, QuantityError, Unit, parse_unit, value_in
+from orchestration.cli.options import OPEN, QUIET, out_folder, quantity
+from orchestration.cli.status import EXPECTATION_FAILED, SIGNALLED
+from orchestration.quantities import SECOND, parse_unit
 from orchestration.results.place import check_writable
-from orchestration.scenario.text import parse
 
 from . import page
 from .compare import compared, of_folder
 from .content import Review
 from .options import Options, requirements
 from .run import review
-
-SIGNALLED, NOT_MET = 128, 1
-
-
-def quantity(option: str, text: str | None, unit: Unit) -> float | None:
-    """Returns a positive quantity of an option; None where it is not given. Raises InputError."""
-    if text is None:
-        return None
-    try:
-        value = value_in(parse(text, f"{option} {text}").data, unit)
-    except QuantityError as error:
-        raise InputError(Problem(str(error), place=Place(f"{option} {text}"))) from None
-    if not 0.0 < value < float("inf"):
-        raise InputError(Problem(expected=f"above zero {unit.name}", found=text, place=Place(option)))
-    return value
 
 
 class Bar:
@@ -71,7 +55,7 @@ class Bar:
     ),
 )
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE [OTHER]")
-@click.option("-o", "--out", type=click.Path(path_type=Path), metavar="DIR", help="Default: results/NAME-review.")
+@out_folder("Default: results/NAME-review.")
 @click.option(
     "--requirements", "asked", type=click.Path(path_type=Path), metavar="FILE", help="What is to be verified."
 )
@@ -156,7 +140,7 @@ def command(
     if open_:
         open_page(path)
     if any(status != "met" for one in each for status in one.verdicts):
-        ctx.exit(NOT_MET)
+        ctx.exit(EXPECTATION_FAILED)
 
 
 def _one(file: Path, target: Path, options: Options, bar: Bar) -> Review:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -103,7 +102,3 @@ def load(folder: Path) -> Review:
 def number(value: float, figures: int = 3) -> str:
     """Returns a number to some figures; a dash where it is none."""
     return f"{value:.{figures}g}" if value == value and abs(value) != float("inf") else "–"
-
-
-def numbers(values: Sequence[float], figures: int = 3) -> list[str]:
-    return [number(value, figures) for value in values]

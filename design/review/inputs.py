@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from fmus.interface import load as interface
+from plant.orbit import lvlh
 from plant.so3 import Array
-from plant.surroundings import Environment
 
 from ..plausible import findings
 from . import studies
@@ -112,7 +112,7 @@ def torques(facts: Facts) -> tuple[Array, dict[str, Array], Array]:
     found: dict[str, list[Array]] = {name: [] for name in ("gravity gradient", "drag", "sunlight", "residual dipole")}
     attitudes = []
     for t in times.tolist():
-        R = _held(around, facts.R_d0, t)
+        R = lvlh(*around.orbit.position_velocity(t)) @ facts.R_d0
         at = around.at(R, t)
         attitudes.append(R)
         found["gravity gradient"].append(at.tau_gg_B)
@@ -124,16 +124,9 @@ def torques(facts: Facts) -> tuple[Array, dict[str, Array], Array]:
     return times, {name: values for name, values in arrays.items() if values.any()}, np.array(attitudes)
 
 
-def _held(around: Environment, R_d0: Array, t: float) -> Array:
-    r, v = around.orbit.position_velocity(t)
-    z = -r / np.linalg.norm(r)
-    y = -np.cross(r, v)
-    y = y / np.linalg.norm(y)
-    return np.asarray(np.stack([np.cross(y, z), y, z], axis=1) @ R_d0)
-
-
-def disturbances(facts: Facts) -> Section:
-    """Returns torques by cause over an orbit, the momentum that gathers, and the margins of rods and wheels."""
+def disturbances(facts: Facts) -> tuple[Section, dict[str, float]]:
+    """Returns torques by cause over an orbit, the momentum that gathers, and the margins of rods and wheels; also the
+    least margins by metric, of which there are none where nothing disturbs."""
     p, s = facts.satellite.p, facts.satellite
     times, each, attitudes = torques(facts)
     step = float(times[1] - times[0])
@@ -154,8 +147,10 @@ def disturbances(facts: Facts) -> Section:
     margins = [
         ["rods, weakest field", f"{1e6 * s.rods:.3g} uN.m", f"{1e6 * largest:.3g} uN.m", _ratio(s.rods, largest)]
     ]
+    least = {"torque_margin": [(s.rods, largest)], "momentum_margin": list[tuple[float, float]]()}
     for i, wheel in enumerate(p.wheel_list, start=1):
         if wheel.momentum_max > 1e-8:
+            least["momentum_margin"].append((wheel.momentum_max, gathered["all together"]))
             for what, gives, needed, unit in (
                 ("momentum of an orbit", wheel.momentum_max, gathered["all together"], "N.m.s"),
                 ("torque", wheel.torque_max, largest, "N.m"),
@@ -167,7 +162,7 @@ def disturbances(facts: Facts) -> Section:
         "At the attitude that is held. Gathered: the largest size of the integral in inertial axes, without unloading."
     )
     curves = {name: (1e9 * np.linalg.norm(tau, axis=1)).tolist() for name, tau in each.items() if name not in flat}
-    return Section(
+    section = Section(
         "Disturbances",
         [
             Table("Disturbance torques over an orbit", columns, rows, note),
@@ -175,14 +170,8 @@ def disturbances(facts: Facts) -> Section:
         ],
         [Curves("Disturbance torques", (times / 60.0).tolist(), "time, min", "torque, nN.m", curves, log=True)],
     )
-
-
-def factors(facts: Facts) -> dict[str, float]:
-    """Returns the least factors of the rods' torque and of a wheel's momentum over what is needed."""
-    table = disturbances(facts).tables[1]
-    found = {"torque_margin": [row[3] for row in table.rows if row[0].startswith("rods")]}
-    found["momentum_margin"] = [row[3] for row in table.rows if row[0].endswith("orbit")]
-    return {name: min(map(float, texts)) for name, texts in found.items() if texts and "–" not in texts}
+    factors = {name: [gives / needed for gives, needed in pairs if needed > 0.0] for name, pairs in least.items()}
+    return section, {name: min(values) for name, values in factors.items() if values}
 
 
 def _unit(name: str) -> str:

@@ -17,7 +17,7 @@ from .facts import Facts
 
 try:
     from orchestration.margins.inject import Rig
-    from orchestration.margins.measure import LONGEST, measure
+    from orchestration.margins.measure import measure
     from orchestration.margins.report import HEADER, Found
     from orchestration.margins.site import site
 except ModuleNotFoundError as missing:
@@ -50,8 +50,7 @@ def section(facts: Facts, source: Source) -> Section:
         with Session(open_scenario(loaded)) as session:
             plan = session.opened.plan
             rig = Rig(session, site(plan, (port,)), round(loaded.duration / plan.clock.step))
-            longest = LONGEST * rig.period
-            response = measure(rig, max(int(longest / rig.period), 4))
+            response = measure(rig)
     except (InputError, BlockError) as error:
         return Section("Stability margins", notes=[f"Not measured at {port}: {error}"])
     if response.refused:

@@ -6,10 +6,10 @@ Tests: tests/design/review/test_pointing.py.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from orchestration.campaign.case import Case
 from plant.so3 import Array
@@ -17,7 +17,7 @@ from plant.so3 import Array
 from . import budget, studies, tumbles
 from .content import Curves, Section, Table
 from .facts import Facts
-from .flights import INTERVAL, Flight, Flown, fly
+from .flights import INTERVAL, Flight, Flown
 from .options import Options
 
 SETTLED, OBSERVED = 0.5, 1.0
@@ -82,15 +82,23 @@ def errors(facts: Facts, options: Options, flown: Mapping[str, Flown]) -> tuple[
             if one.failure or not late.any():
                 failed += 1
                 continue
-            R = one[f"{facts.plant}.R_NB"][late]
-            Q = budget.to_lvlh(R, one[f"{facts.plant}.r_N"][late], one[f"{facts.plant}.v_N"][late], facts.R_d0)
-            found["pointing"].setdefault(name, []).append(budget.rotation_vectors(Q))
+            found["pointing"].setdefault(name, []).append(_of_pointing(facts, one, late))
             if "estimator" in facts.blocks:
-                estimated = one[f"{facts.blocks['estimator']}.R_NB"][late]
-                known = np.abs(estimated).sum(axis=(1, 2)) > 0.0  # a matrix of zeros is no attitude
-                Q = estimated[known].transpose(0, 2, 1) @ R[known]
-                found["knowledge"].setdefault(name, []).append(budget.rotation_vectors(Q))
+                found["knowledge"].setdefault(name, []).append(_of_knowledge(facts, one, late)[0])
     return found, failed
+
+
+def _of_pointing(facts: Facts, one: Flown, rows: NDArray[np.bool_] | slice) -> Array:
+    """Returns the errors (n, 3) rad of some rows of a flight."""
+    R, r, v = (one[f"{facts.plant}.{name}"][rows] for name in ("R_NB", "r_N", "v_N"))
+    return budget.rotation_vectors(budget.to_lvlh(R, r, v, facts.R_d0))
+
+
+def _of_knowledge(facts: Facts, one: Flown, rows: NDArray[np.bool_] | slice) -> tuple[Array, NDArray[np.bool_]]:
+    """Returns the errors (m, 3) rad where the attitude is known, and whether it is in each of the rows (n,)."""
+    R, estimated = (one[f"{block}.R_NB"][rows] for block in (facts.plant, facts.blocks["estimator"]))
+    known = np.abs(estimated).sum(axis=(1, 2)) > 0.0  # a matrix of zeros is no attitude
+    return budget.rotation_vectors(estimated[known].transpose(0, 2, 1) @ R[known]), known
 
 
 def section(facts: Facts, options: Options, flown: Mapping[str, Flown]) -> Section:
@@ -160,17 +168,13 @@ def _figures(facts: Facts, flown: Mapping[str, Flown]) -> list[Curves]:
     one = flown.get(_named(ALL, 0))
     if one is None or one.failure:
         return []
-    R = one[f"{facts.plant}.R_NB"]
-    Q = budget.to_lvlh(R, one[f"{facts.plant}.r_N"], one[f"{facts.plant}.v_N"], facts.R_d0)
-    curves = {"of pointing": np.degrees(np.linalg.norm(budget.rotation_vectors(Q), axis=1))}
+    whole = slice(None)
+    curves = {"of pointing": np.degrees(np.linalg.norm(_of_pointing(facts, one, whole), axis=1))}
     if "estimator" in facts.blocks:
-        estimated = one[f"{facts.blocks['estimator']}.R_NB"]
-        known = np.abs(estimated).sum(axis=(1, 2)) > 0.0
-        sizes = np.full(len(R), np.nan)
-        vectors = budget.rotation_vectors(estimated[known].transpose(0, 2, 1) @ R[known])
-        sizes[known] = np.degrees(np.linalg.norm(vectors, axis=1))
-        curves["of knowledge"] = sizes
-    every = slice(None, None, max(len(R) // DRAWN, 1))
+        vectors, known = _of_knowledge(facts, one, whole)
+        curves["of knowledge"] = np.full(len(known), np.nan)
+        curves["of knowledge"][known] = np.degrees(np.linalg.norm(vectors, axis=1))
+    every = slice(None, None, max(len(one.time) // DRAWN, 1))
     minutes = (one.time[every] / 60.0).tolist()
     listed = {name: [v if v == v else 0.0 for v in values[every].tolist()] for name, values in curves.items()}
     return [Curves("Errors of the first flight", minutes, "time, min", "error, deg", listed, log=True)]
@@ -178,8 +182,3 @@ def _figures(facts: Facts, flown: Mapping[str, Flown]) -> list[Curves]:
 
 def _deg(value: float) -> str:
     return f"{math.degrees(value):.3g}" if value == value else "–"
-
-
-def run(facts: Facts, options: Options, folder: Path, case: Case, tell: Callable[[int], None]) -> Mapping[str, Flown]:
-    """Flies the holds."""
-    return fly(facts.file, flights(facts, options, case), folder, options.workers, tell)

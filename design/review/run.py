@@ -50,7 +50,7 @@ def review(
     singles = [*manoeuvres.slews(found), *tracks, *manoeuvres.failing(found)]
     flown = fly(file, holds, place, options.workers, lambda done: tell("holds", done, len(holds)))
     flown |= fly(file, singles, place, options.workers, lambda done: tell("manoeuvres", done, len(singles)))
-    disturbed = inputs.disturbances(found)
+    disturbed, factors = inputs.disturbances(found)
     agility, slew_time = manoeuvres.agility(found, flown)
     station, station_error = manoeuvres.tracking(found, flown, why)
     failures, after_failure = manoeuvres.failures(found, flown)
@@ -58,7 +58,7 @@ def review(
         "slew_time": slew_time,
         "station_error": station_error,
         "error_after_failure": after_failure,
-        **inputs.factors(found),
+        **factors,
     }
     required, said = verify.section(options, rows, single)
     sections = [
