@@ -65,8 +65,12 @@ def _motion(times: Floats, q: Floats, at: Floats) -> tuple[Floats, Floats, Float
 
 
 def _telemetry(file: str, header: Sequence[str], loaded: Scenario) -> dict[str, Any]:
-    named = {"R_ref": (header[1:10], "1"), "Omega_ref": (header[10:13], "rad/s"), "dOmega_ref": (header[13:], "rad/s2")}
-    columns = {name: {"of": list(of), "unit": unit} for name, (of, unit) in named.items()}
+    matrix = [list(header[i : i + 3]) for i in (1, 4, 7)]
+    columns = {
+        "R_ref": {"of": matrix},
+        "Omega_ref": {"of": list(header[10:13]), "unit": "rad/s"},
+        "dOmega_ref": {"of": list(header[13:]), "unit": "rad/s2"},
+    }
     return {"file": file, "time": {"column": "t", "scale": "elapsed"}, "columns": columns}
 
 
@@ -83,14 +87,7 @@ def _connections(loaded: Scenario, place: Place) -> list[str]:
         expected = "a block with the inputs R_ref, Omega_ref and dOmega_ref"
         raise InputError(Problem(expected=expected, found="none", place=Place("--scenario")))
     kept = [text for text in loaded.source.data.get("connections", []) if _target(text) not in takes]
-    wires = [(source, target) for target, source in takes.items() if source]
-    for source, target in wires:
-        matrix = source.endswith(".R_ref")  # a port of a record is a vector
-        pairs = (
-            [(f"[{3 * i + j + 1}]", f"[{i + 1},{j + 1}]") for i in range(3) for j in range(3)] if matrix else [("", "")]
-        )
-        kept += [f"{source}{one} -> {target}{other}" for one, other in pairs]
-    return kept
+    return [*kept, *(f"{source} -> {target}" for target, source in takes.items() if source)]
 
 
 def _source(port: str) -> str:
