@@ -158,11 +158,12 @@ static void correct(int i, const double innovation[MOTION], double correction[FI
 void controller_planned_correct(const double innovation[MOTION], Identification *id)
 {
     double correction[FILTER_STATES] = {0.0}, gain[MEASURED][MOTION];
+    const int first = id->estimated ? RATE_STATE : 0; /* an estimated attitude is not corrected */
     memset(gain, 0, sizeof gain);
     if (id->estimated) {
         controller_planned_take_attitude(id);
     }
-    for (int i = id->estimated ? RATE_STATE : 0; i < MOTION; ++i) {
+    for (int i = first; i < MOTION; ++i) {
         correct(i, innovation, correction, gain, id);
     }
     for (int i = 0; i < FILTER_STATES; ++i) {
@@ -170,7 +171,7 @@ void controller_planned_correct(const double innovation[MOTION], Identification 
             id->P[i][j] = id->P[j][i];
         }
     }
-    for (int i = id->estimated ? RATE_STATE : 0; i < MOTION; ++i) {
+    for (int i = first; i < MOTION; ++i) {
         memcpy(id->gain[i], gain[i], sizeof gain[i]);
     }
     for (int i = 0; i < UNKNOWNS; ++i) {

@@ -14,7 +14,7 @@ static const double WIDE_TRUST = 2.5;    /* largest change of a gain there */
 static const double FAILED_SIGMA = 0.15; /* standard deviation of a gain from which on it is known */
 static const double SOUND = 0.2;         /* change of a gain that a sound rod may have */
 static const double CERTAIN = 4.0;       /* deviations beyond that: one false alarm in 15,000 suspicions */
-static const double WIDE_DIPOLE = 0.5;   /* of a rod at its limit: largest dipole, with one that is stuck on */
+static const double STUCK_ON_MAX = 0.5;  /* of a rod at its limit: largest dipole, with one that is stuck on */
 
 enum { HALVINGS = 4 }; /* of what is estimated less the start, until it is the inertia of a body */
 
@@ -84,7 +84,7 @@ static bool keep_all_within(Identification *id)
     }
     keep_within(id->p + BIAS, id->limit[0]);
     keep_within(id->p + TORQUE, id->limit[1]);
-    keep_within(id->p + DIPOLE, larger(id->limit[2], id->watch.wide ? WIDE_DIPOLE * id->dipole : 0.0));
+    keep_within(id->p + DIPOLE, larger(id->limit[2], id->watch.wide ? STUCK_ON_MAX * id->dipole : 0.0));
     return beyond;
 }
 

@@ -12,8 +12,8 @@ static const double REST_NOISE = 2.5e-4; /* 1/T, standard deviation of the rate 
 static const double LASTS = 0.5;         /* T, for which the model's error stays alike */
 static const double EXCESS_TIME = 2.0;   /* T, over which innovations are averaged */
 static const double WIDE_SPREAD = 1.0;   /* standard deviation of the gains where a rod is suspected */
-static const double WIDE_DIPOLE = 0.1;   /* the same of the dipole, of a rod at its limit: it may be stuck on */
-static const double PAUSE = 2.0;         /* T, until the gains are known after that; each time twice as long */
+static const double STUCK_ON_SPREAD = 0.1; /* the same of the dipole, of a rod at its limit: it may be stuck on */
+static const double PAUSE = 2.0;           /* T, until the gains are known after that; each time twice as long */
 
 /* `count` unknowns become independent of all others. */
 static void forget(Identification *id, int first, int count, double deviation)
@@ -50,7 +50,7 @@ void controller_planned_suspect_rods(Identification *id)
     controller_planned_begin_properties(id);
     forget(id, GAINS, 3, WIDE_SPREAD);
     memset(id->p + TORQUE, 0, (UNKNOWNS - TORQUE) * sizeof id->p[0]);
-    begin_torques(WIDE_DIPOLE * id->dipole, id);
+    begin_torques(STUCK_ON_SPREAD * id->dipole, id);
     id->excess[0] = id->excess[1] = id->excess[2] = 1.0;
     id->alike[0] = id->alike[1] = 0.0;
     id->watch.wide = true;
@@ -144,7 +144,7 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
     id->spread = p->identify ? p->identify_spread : 0.0;
     id->limit[0] = p->rate_bias_max;
     id->limit[2] = scales->residual_dipole_max;
-    id->dipole = p->dipole_max * larger(larger(p->rod_limits[0], p->rod_limits[1]), p->rod_limits[2]);
+    id->dipole = p->dipole_max * largest(vector(p->rod_limits));
     id->limit[3] = PRODUCTS * TRUST * scales->momentum * T;
     controller_planned_set_noise(p, u, id);
     id->rate_density = REST_NOISE * REST_NOISE / (T * T * T);
