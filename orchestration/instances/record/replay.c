@@ -201,25 +201,36 @@ static double as_double(const uint8_t *value, const char *type, size_t size)
     return one;
 }
 
-/* The port and its element to which value i of a shape belongs. */
-static const char *port(const Shape *shape, size_t i, size_t *element)
+/* The record's variable that a function reads or writes by this reference; NULL where the record has none. */
+static const Variable *variable_of(const Shape *shape, uint32_t reference)
 {
     const char *type = FUNCTION[shape->function].name + 7;
-    size_t first = 0;
-    for (uint32_t k = 0; k < shape->references; k++) {
-        for (size_t v = 0; v < it.variable_count; v++) {
-            if (it.variables[v].reference == shape->reference[k] && strcmp(it.variables[v].type, type) == 0) {
-                if (i < first + it.variables[v].size) {
-                    *element = it.variables[v].size > 1 ? i - first + 1 : 0;
-                    return it.variables[v].name;
-                }
-                first += it.variables[v].size;
-                break;
-            }
+    for (size_t v = 0; v < it.variable_count; v++) {
+        if (it.variables[v].reference == reference && strcmp(it.variables[v].type, type) == 0) {
+            return &it.variables[v];
         }
     }
-    *element = i + 1;
-    return "a variable without name";
+    return NULL;
+}
+
+/* The call, and the port and its element to which value i of a shape belongs. */
+static void say_port(const Shape *shape, size_t i)
+{
+    size_t first = 0;
+    say_call();
+    for (uint32_t k = 0; k < shape->references; k++) {
+        const Variable *one = variable_of(shape, shape->reference[k]);
+        const size_t size = one == NULL ? 0 : one->size;
+        if (i < first + size) {
+            printf("%s", one->name);
+            if (size > 1) {
+                printf("[%lu]", (unsigned long)(i - first + 1));
+            }
+            return;
+        }
+        first += size;
+    }
+    printf("a variable without name[%lu]", (unsigned long)i + 1);
 }
 
 static bool differs(const Shape *shape, size_t i, double was, double now)
@@ -231,30 +242,31 @@ static bool differs(const Shape *shape, size_t i, double was, double now)
     return was != now && !(fabs(was - now) <= it.tolerance * shape->largest[i]);
 }
 
-static int compare(Shape *shape, const void *got, char *const *texts)
+/* Whether a result is not as recorded; all of them are told of the first call that has one. */
+static bool compare(Shape *shape, const void *got, char *const *texts)
 {
     const Description *f = &FUNCTION[shape->function];
-    int found = 0;
+    bool found = false;
     for (size_t i = 0; i < shape->values; i++) {
-        size_t element;
-        const char *name = port(shape, i, &element);
-        char index[24] = "";
-        if (element > 0) {
-            snprintf(index, sizeof index, "[%lu]", (unsigned long)element);
-        }
         if (f->size == 0) {
-            const char *now = ((const char *const *)got)[i];
-            if (strcmp(texts[i], now == NULL ? "" : now) != 0 && ++found && it.differing == 0) {
-                say_call();
-                printf("%s%s is '%s', recorded '%s'\n", name, index, now == NULL ? "" : now, texts[i]);
+            const char *now = ((const char *const *)got)[i] == NULL ? "" : ((const char *const *)got)[i];
+            if (strcmp(texts[i], now) != 0) {
+                found = true;
+                if (it.differing == 0) {
+                    say_port(shape, i);
+                    printf(" is '%s', recorded '%s'\n", now, texts[i]);
+                }
             }
             continue;
         }
         const double was = as_double(shape->last + i * f->size, f->name + 7, f->size);
         const double now = as_double((const uint8_t *)got + i * f->size, f->name + 7, f->size);
-        if (differs(shape, i, was, now) && ++found && it.differing == 0) {
-            say_call();
-            printf("%s%s is %.17g, recorded %.17g\n", name, index, now, was);
+        if (differs(shape, i, was, now)) {
+            found = true;
+            if (it.differing == 0) {
+                say_port(shape, i);
+                printf(" is %.17g, recorded %.17g\n", now, was);
+            }
         }
     }
     return found;
@@ -496,7 +508,7 @@ static void exchange(Any function, const Description *f)
         if (f->size > 0) {
             values(one->last, one->values, f->size);
         }
-        if (compare(one, buffer, texts) > 0) {
+        if (compare(one, buffer, texts)) {
             it.differing++;
             write_shortest(it.at);
         }
