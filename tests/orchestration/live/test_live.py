@@ -14,15 +14,13 @@ from click.testing import CliRunner
 
 from orchestration import run
 from orchestration.cli.main import main
-from orchestration.errors import InputError
 from orchestration.expectations.outcomes import Outcome
-from orchestration.live.sliders import controls
-from orchestration.live.system import checked, prepare
 from orchestration.results import whole
-from orchestration.session.open import open_scenario
 from orchestration.session.read import load
 from tests.orchestration.results.browser import Tab, box
 from tests.orchestration.results.test_place import full
+
+from .test_system import minimal
 
 pytestmark = pytest.mark.compile
 
@@ -92,14 +90,22 @@ def move(page: Tab, positions: Mapping[int, float]) -> None:
     page.page.evaluate(f"(() => {{ let it; {moves} }})()")
 
 
-def native(outcomes: Sequence[Outcome]) -> list[tuple[str, float | str | None, float | None]]:
+Verdicts = list[tuple[str, float | str | None, float | None]]
+
+
+def verdicts(said: Mapping[str, str]) -> Verdicts:
+    """Status, value and time of each expectation, as the page says them."""
+    return [(each["status"], each["value"], each["time"]) for each in json.loads(said["verdicts"])]
+
+
+def native(outcomes: Sequence[Outcome]) -> Verdicts:
     """What a page says of the same outcomes."""
     return [(o.status, o.found, o.time) for o in outcomes]
 
 
 def saved(page: Tab, folder: Path) -> Path:
     """The scenario of what the page has flown, beside the one that it extends."""
-    scenario = folder / "scenarios" / "of_the_page.yaml"
+    scenario = folder / "of_the_page.yaml"
     scenario.write_text(page.page.text_content("#scenario") or "", "utf-8")
     return scenario
 
@@ -113,7 +119,7 @@ def test_five_sets_of_parameters_have_the_hash_of_the_native_run(page, folder):
         if sliders:
             move(page, sliders)
         own = flown(page)["hash"]
-        assert own == run(saved(page, folder)).sha256, name
+        assert own == run(saved(page, folder / "scenarios")).sha256, name
         seen.add(own)
     assert len(seen) == len(SETS)
     assert page.complaints == []
@@ -130,10 +136,9 @@ def test_twenty_random_settings_have_the_hash_and_verdicts_of_the_native_run(pag
         for fault in np.flatnonzero(drawn.random(3) < 0.3):
             page.page.fill(f"[data-at='{fault}']", f"{drawn.uniform(0.0, 380.0):.1f}")
             page.page.press(f"[data-at='{fault}']", "Enter")
-        said, result = flown(page), run(saved(page, folder))
+        said, result = flown(page), run(saved(page, folder / "scenarios"))
         assert said["hash"] == result.sha256
-        found = [(each["status"], each["value"], each["time"]) for each in json.loads(said["verdicts"])]
-        assert found == native(result.outcomes)
+        assert verdicts(said) == native(result.outcomes)
         seen.add(said["hash"])
     assert len(seen) == 20
 
@@ -154,8 +159,7 @@ def test_each_kind_of_scenario_flies_in_its_page_to_the_native_bits_and_verdicts
     said = elsewhere.page.evaluate("({...document.documentElement.dataset})")
     result = run(scenario)
     assert said["hash"] == result.sha256
-    found = [(each["status"], each["value"], each["time"]) for each in json.loads(said["verdicts"])]
-    assert found == native(result.outcomes)
+    assert verdicts(said) == native(result.outcomes)
     assert elsewhere.complaints == []
 
 
@@ -189,9 +193,7 @@ def test_faults_that_overlap_on_one_element_and_a_timeline_below_them_have_the_h
     for pressed in range(len(own), len(own) + len(added)):
         elsewhere.page.click(f"[data-fault='{pressed}']")
         hash_ = flown(elsewhere)["hash"]
-        of_page = tmp_path / "of_the_page.yaml"
-        of_page.write_text(elsewhere.page.text_content("#scenario") or "", "utf-8")
-        assert hash_ == run(of_page).sha256, pressed
+        assert hash_ == run(saved(elsewhere, tmp_path)).sha256, pressed
         seen.add(hash_)
     assert len(seen) == len(added)  # the same fault a second time changes nothing
 
@@ -202,9 +204,8 @@ def test_the_verdict_of_each_expectation_is_that_of_the_native_run_whatever_the_
         for number in faults:
             page.page.click(f"[data-fault='{number}']")
         move(page, sliders)
-        found = json.loads(flown(page)["verdicts"])
-        outcomes = run(saved(page, folder)).outcomes
-        assert [tuple(one[k] for k in ("status", "value", "time")) for one in found] == native(outcomes)
+        said, outcomes = flown(page), run(saved(page, folder / "scenarios")).outcomes
+        assert verdicts(said) == native(outcomes)
         unmet = sum(o.status != "met" for o in outcomes)
         shown = page.page.text_content("#verdict") or ""
         assert shown == (
@@ -216,14 +217,14 @@ def test_a_fault_is_injected_at_the_instant_that_is_shown(page, folder):
     page.page.locator("[data-part=slider]").fill("200.05")
     page.page.click("[data-now='0']")
     hash_ = flown(page)["hash"]
-    scenario = saved(page, folder)
+    scenario = saved(page, folder / "scenarios")
     (fault,) = load(scenario).faults
     assert (fault.at, str(fault.set)) == (200.1, "plant.rod_gain[1] = 0")  # the next step
     assert run(scenario).sha256 == hash_
     page.page.fill("[data-at='1']", "300")
     page.page.press("[data-at='1']", "Enter")
     hash_ = flown(page)["hash"]
-    scenario = saved(page, folder)
+    scenario = saved(page, folder / "scenarios")
     assert [(fault.at, fault.until) for fault in load(scenario).faults] == [(200.1, None), (300.0, 360.0)]
     assert run(scenario).sha256 == hash_
 
@@ -286,9 +287,7 @@ def test_a_flight_is_shown_in_the_view_and_what_is_of_the_one_before_is_marked_m
     assert page.page.evaluate(SHOWN) != before
     page.page.locator("[data-part=slider]").fill("386.1")
     page.settle()
-    scenario = folder / "scenarios" / "turned.yaml"
-    scenario.write_text(page.page.text_content("#scenario") or "", "utf-8")
-    error = float(np.degrees(run(scenario)["judge.attitude_error"][-1]))
+    error = float(np.degrees(run(saved(page, folder / "scenarios"))["judge.attitude_error"][-1]))
     assert page.page.inner_text("[data-part=words]").endswith(f"; {error:.3g} deg from the desired attitude")
     page.page.locator("[data-part=slider]").fill("0")
 
@@ -321,76 +320,6 @@ def test_the_manifest_has_the_hash(tmp_path):
     assert manifest["samples_sha256"] == result.sha256
 
 
-def minimal(**changes):
-    data = {
-        "name": "tumble",
-        "step": 1.0,
-        "duration": 10.0,
-        "blocks": {"plant": {"fmu": "plant", "start": {"dipole_cmd": [0, 0, 0], "wheel_torque_cmd": 0}}},
-    }
-    return {**data, **changes}
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"blocks": {"plant": {"fmu": "other.fmu"}}}, "blocks.plant.fmu: other.fmu is an FMU in binaries"),
-        ({"flavour": "python"}, "flavour: plant is of the Python flavour"),
-        ({"isolation": "process"}, "isolation: plant runs in a process of its own"),
-    ],
-)
-def test_what_no_page_can_have_is_refused_by_name(changes, message):
-    with pytest.raises(InputError, match=message):
-        prepare(load(minimal(**changes)))
-
-
-@pytest.mark.parametrize(
-    ("slider", "message"),
-    [
-        ({"start": "plan.omega_B0[1]"}, "there is no block 'plan'; did you mean 'plant'"),
-        ({"start": "plant.omega_B0"}, "has 3 elements; remedy: one of them, or 'measure: norm'"),
-        ({"start": "plant.epoch"}, "expected a number"),
-        ({"start": "plant.disturbance_torque_B", "measure": "norm"}, "is zero in the scenario"),
-        (
-            {"start": "plant.Q0", "measure": "rotation", "axis": [1, 0, 0], "least": 1, "most": 2},
-            "expected the scenario's own",
-        ),
-        ({"start": "plant.omega_B0[1]", "least": "1 m"}, "omega_B0"),
-        ({"start": "plant.omega_B0[1]", "least": 2, "most": 1}, "expected 'least' below 'most'"),
-        (
-            {"start": "plant.omega_B0", "measure": "norm"},
-            "expected zero or more, since a norm is never negative; found -",
-        ),
-        (
-            {"start": "plant.Q0", "measure": "rotation", "axis": [1, 0, 0], "most": "9000 deg"},
-            "expected angles within one turn, -360 deg to 360 deg; found -57.3 deg and 9000 deg",
-        ),
-        (
-            {"start": "plant.inclination", "least": "10 deg", "most": "20 deg"},
-            "expected the scenario's own value, 98 deg, between 10 deg and 20 deg",
-        ),
-        ({"start": "plant.altitude"}, "is worked out in Python"),
-        ({"start": "friction"}, "no block takes such a shared value"),
-    ],
-)
-def test_a_slider_that_can_move_nothing_is_refused_where_it_stands(slider, message):
-    entry = {"least": -1, "most": 1, **slider}
-    scenario = load(minimal(live={"sliders": [entry]}))
-    with pytest.raises(InputError, match=message) as raised:
-        controls(scenario, open_scenario(scenario).plan)
-    assert "live.sliders[1]" in str(raised.value)
-
-
-def test_faults_of_a_page_are_held_against_the_blocks_with_the_sliders_where_they_stand():
-    faults = [{"name": "late", "set": "plant.rod_gain[1] = 0", "at": "20 s"}]
-    sliders = [{"start": "plant.rod", "least": 0, "most": 1}]
-    with pytest.raises(InputError) as raised:
-        checked(load(minimal(live={"faults": faults, "sliders": sliders})))
-    assert "live.faults[1]" in str(raised.value)
-    assert "20 s lies after the end of the run, 10 s" in str(raised.value)
-    assert "live.sliders[1]: plant.rod: " in str(raised.value)
-
-
 def test_the_button_of_a_fault_that_a_shortened_run_does_not_reach_is_disabled(tmp_path):
     faults = [{"set": "plant.rod_gain[1] = 0", "at": at} for at in (4, 5, 6)]
     scenario, page = tmp_path / "tumble.yaml", tmp_path / "tumble.html"
@@ -416,9 +345,3 @@ def test_a_page_that_cannot_be_written_leaves_the_earlier_one(tmp_path, monkeypa
     assert (done.exit_code, done.stderr.splitlines()[-1]) == (4, f"{page} cannot be written: the disk is full")
     assert page.read_text() == "the earlier page"
     assert set(tmp_path.iterdir()) == {scenario, page}
-
-
-def test_two_faults_with_one_name_are_refused():
-    faults = [{"name": "dead", "set": f"plant.rod_gain[{i}] = 0", "at": "2 s"} for i in (1, 2)]
-    with pytest.raises(InputError, match="live: faults: two have the name 'dead'"):
-        load(minimal(live={"faults": faults}))
