@@ -57,14 +57,16 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
         gl_FragColor = vec4(colour * a, a);
       }` });
   const programs = [false, true].map(drawn);
-  function line(parent, points, colour, alpha = 1, ages = null, mode = gl.LINE_STRIP) {
-    const program = programs[Number(Boolean(ages))], made = add(parent, geometry(points, ages ? ages.map((age) => [age, 0, 0]) : points), { program }, mode);
+  function put(parent, shape, colour, { program = programs[0], alpha = 1, mode } = {}) {
+    const made = add(parent, shape, { program }, mode);
     let own = [0, 0, 0];
     painted.push((ink) => { own = rgb(ink[colour] || colour); });
     made.onBeforeRender(() => { [program.uniforms.colour.value, program.uniforms.alpha.value] = [own, alpha]; });
     return made;
   }
-  const put = (made, points) => {
+  const line = (parent, points, colour, alpha, ages = null, mode = gl.LINE_STRIP) =>
+    put(parent, geometry(points, ages?.map((age) => [age, 0, 0])), colour, { program: programs[Number(Boolean(ages))], alpha, mode });
+  const move = (made, points) => {
     const { position } = made.geometry.attributes;
     position.data.set(points.flat());
     position.needsUpdate = true;
@@ -84,7 +86,7 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
   const paths = path(flown), period = 2 * Math.PI * Math.sqrt((size(paths[0][0]) * EARTH) ** 3 / 3.986004418e14); // s
   const ages = Array.from({ length: MOST }, (_, i) => flown.times[i] / period);
   const lines = [line(sky, paths[0], "orbit", 1, ages), line(ground, paths[1], "orbit", 0.8, ages), line(sky, paths[2], "axis", 0.45)];
-  function renew(m) { path(m).forEach((points, i) => put(lines[i], points)); }
+  function renew(m) { path(m).forEach((points, i) => move(lines[i], points)); }
 
   const FIELD = [-24, -12, 0, 12, 24], NODES = 49, field = group(ground);
   const bundle = FIELD.map(() => line(field, Array(NODES).fill([0, 0, 0]), "#0072b2", 0.75));
@@ -95,7 +97,7 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
     FIELD.forEach((turn, n) => {
       const c = Math.cos(turn * rad), s = Math.sin(turn * rad), radial = out.map((v, k) => c * v + s * aside[k]);
       const end = Math.acos(Math.sqrt(Math.min(1, 0.99 / shell)));
-      put(bundle[n], Array.from({ length: NODES }, (_, i) => {
+      move(bundle[n], Array.from({ length: NODES }, (_, i) => {
         const l = end * ((2 * i) / (NODES - 1) - 1), far = shell * Math.cos(l) ** 2;
         return radial.map((v, k) => far * (Math.cos(l) * v + Math.sin(l) * up[k]));
       }));
@@ -107,9 +109,7 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
   const sun = group(space), FAR = 60;
   let sunward = null;
   if (flown.sun) {
-    line(sun, [[0, 0, 0]], "#f2b705"); // takes its place among those that are painted
-    const disc = add(sun, new Sphere(gl, { radius: 0.9 }), { program: programs[0] });
-    disc.onBeforeRender(() => { [programs[0].uniforms.colour.value, programs[0].uniforms.alpha.value] = [[1, 0.78, 0.15], 1]; });
+    put(sun, new Sphere(gl, { radius: 0.9 }), "#ffc726");
     label("Sun", () => sunward && sunward.map((v) => FAR * v), "#b07a00", { far: true });
   }
   const world = new Vec3();
@@ -120,11 +120,7 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
     const ring = Array.from({ length: 73 }, (_, i) => unit(at(place)).map((v, k) => r * (Math.cos(wide) * v + Math.sin(wide) * (Math.cos((i * Math.PI) / 36) * north[k] + Math.sin((i * Math.PI) / 36) * east[k]))));
     line(ground, ring, "desired", 0.9);
     line(ground, ring.filter((_, i) => i % 6 === 0).flatMap((p) => [here, p]), "desired", 0.4, null, gl.LINES);
-    const mark = add(ground, new Sphere(gl, { radius: 0.012 }), { program: programs[0] });
-    mark.position.set(...here);
-    let own = [0, 0, 0];
-    painted.push((ink) => { own = rgb(ink.desired); });
-    mark.onBeforeRender(() => { [programs[0].uniforms.colour.value, programs[0].uniforms.alpha.value] = [own, 1]; });
+    put(ground, new Sphere(gl, { radius: 0.012 }), "desired").position.set(...here);
     label(name, () => {
       world.set(...here).applyMatrix4(ground.worldMatrix);
       return hidden([...world]) ? null : [...world];
@@ -198,5 +194,5 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
     back.copy(base).multiply(turn).inverse(); // from the frame to the Earth's axes
     [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((e, i) => fixed.value.set([...v.set(...e).applyQuaternion(back)], 3 * i));
   }
-  return { space, paint, renew, set, see, hidden, field, spin: angle, radius: size(paths[0][0]) };
+  return { space, paint, renew, set, see, hidden, field, spin: angle };
 };
