@@ -1,7 +1,7 @@
 // The controls of a live page: what they stand at goes to the worker, what it has flown to plots, view and verdicts.
 (() => {
   const { live } = JSON.parse(document.getElementById("data").textContent);
-  const { steps, numerator, denominator, expect } = live.given;
+  const { numerator, denominator, expect } = live.given;
   const at = (id) => document.getElementById(id);
   const all = (name) => [...document.querySelectorAll(`[data-${name}]`)];
   const [inputs, typed, buttons, times] = ["control", "typed", "fault", "at"].map(all);
@@ -16,6 +16,7 @@
   const past = [];
   const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
   const begins = (i) => counted(live.faults[i].data.at) + now.shifts[i];
+  const acting = () => live.faults.flatMap((_, i) => (now.on[i] ? [faultOf(i)] : []));
 
   // ---------------------------------------------------------------- start values
 
@@ -60,8 +61,8 @@
     for (const [block, { start }] of Object.entries(blocks)) {
       lines.push(`  ${block}:`, "    start:", ...Object.entries(start).map(([name, value]) => `      ${JSON.stringify(name)}: ${JSON.stringify(value)}`));
     }
-    const acting = live.faults.map((_, i) => i).filter((i) => now.on[i]);
-    if (live.faults.length) lines.push(acting.length ? "faults:" : "faults: []", ...acting.map((i) => `  - ${JSON.stringify(faultOf(i))}`));
+    const faults = acting().map((fault) => `  - ${JSON.stringify(fault)}`);
+    if (live.faults.length) lines.push(faults.length ? "faults:" : "faults: []", ...faults);
     return `${lines.join("\n")}\n`;
   }
 
@@ -155,7 +156,7 @@
     } else {
       const reached = timeline.figures(part ? data.reached : live.duration, 5);
       at("speed").textContent = part ? `${Math.round((100 * data.reached) / live.duration)} % flown` : `${reached} s flown in ${timeline.figures(data.flown / 1000, 2)} s`;
-      const spans = live.faults.map((_, i) => i).filter((i) => now.on[i]).map((i) => live.faults[i].span.map((t) => Math.min(live.duration, t + instant(now.shifts[i]))));
+      const spans = acting().map(({ at: begin, until }) => [begin, until ?? live.duration].map((t) => Math.min(live.duration, t)));
       document.dispatchEvent(new CustomEvent("flown", { detail: { plots: data.plots, phases: data.phases, view: data.view, faults: spans } }));
       judge(data.verdicts, part);
       if (!part) whole = data.verdicts;
@@ -180,17 +181,20 @@
     at("undo").disabled = !past.length;
     history.replaceState(null, "", [location.href.split("#")[0], address()].filter(Boolean).join("#"));
   }
-  function change(to, drag = false) { // the flight up to now stays as the one before
-    if (same(to, now)) return;
-    if (!dragging) {
-      past.push(now);
+  function take(to, keep = true) { // with `keep` the flight up to now stays as the one before
+    if (keep) {
       before = whole || [];
       document.dispatchEvent(new CustomEvent("before"));
     }
-    dragging = drag;
     now = to;
     show();
     fly();
+  }
+  function change(to, drag = false) {
+    if (same(to, now)) return;
+    if (!dragging) past.push(now);
+    take(to, !dragging);
+    dragging = drag;
   }
   const moved = (i, value) => ({ ...now, moved: { ...now.moved, [i]: bounded(value, Number(inputs[i].min), Number(inputs[i].max)) } });
   const put = (list, i, value) => list.map((old, k) => (k === i ? value : old));
@@ -215,13 +219,7 @@
     all("now")[i].addEventListener("click", () => inject(i, timeline.at ?? 0));
   });
   function undo() {
-    if (!past.length) return;
-    const to = past.pop();
-    before = whole || [];
-    document.dispatchEvent(new CustomEvent("before"));
-    now = to;
-    show();
-    fly();
+    if (past.length) take(past.pop());
   }
   at("undo").addEventListener("click", undo);
   document.addEventListener("keydown", (event) => {

@@ -124,7 +124,6 @@ def _file(live: Live) -> str:
 
 def _data(live: Live, flown: dict[str, Any]) -> dict[str, Any]:
     clock, scenario = live.opened.plan.clock, live.scenario
-    end = clock.time(clock.steps)
     return {
         "name": scenario.name,
         "file": _file(live),
@@ -138,7 +137,6 @@ def _data(live: Live, flown: dict[str, Any]) -> dict[str, Any]:
             {
                 "own": i < len(scenario.faults),
                 "data": fault.model_dump(mode="json", exclude_none=True),
-                "span": [fault.at, end if fault.until is None else min(fault.until, end)],
                 "most": _latest(live, does),
             }
             for i, (fault, does) in enumerate(zip(live.faults, live.each, strict=True))

@@ -14,7 +14,7 @@ from ..scenario.faults import Fault
 from ..scenario.scenario import Scenario
 from ..session.plan import Plan
 from ..session.read import load
-from ..system.disturbances import acting
+from ..system.disturbances import KINDS, acting
 from ..system.faults import resolve
 from ..system.wiring import Node
 from .sliders import controls, start_value
@@ -52,7 +52,7 @@ def _sliders(block: str, entries: Iterable[dict[str, Any]], plan: Plan) -> Itera
 def _faults(block: str, entries: Iterable[dict[str, Any]], scenario: Scenario) -> Iterator[dict[str, Any]]:
     begin = round(_BEGIN * scenario.duration / scenario.step) * scenario.step
     for entry in entries:
-        kind = next(key for key in entry if key in ("set", "freeze", "cut", "bias"))
+        kind = next(key for key in ("set", *KINDS) if key in entry)
         end = round((_BEGIN + _LASTS) * scenario.duration / scenario.step) * scenario.step
         yield {
             "name": entry["name"],

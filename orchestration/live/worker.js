@@ -8,15 +8,16 @@ const text = (place) => {
   return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
 };
 
+function magnitude(columns, rows, at) {
+  let sum = 0;
+  for (const column of columns) sum += rows[at + column] * rows[at + column];
+  return Math.sqrt(sum);
+}
+
 function curve({ columns, norm, factor, offset }, rows, count, width) {
   const values = new Float64Array(count);
   for (let i = 0; i < count; i++) {
-    let value = rows[i * width + columns[0]];
-    if (norm) {
-      let sum = 0;
-      for (const column of columns) sum += rows[i * width + column] ** 2;
-      value = Math.sqrt(sum);
-    }
+    const value = norm ? magnitude(columns, rows, i * width) : rows[i * width + columns[0]];
     values[i] = factor * value + offset;
   }
   return values;
@@ -92,12 +93,7 @@ function watcher({ items, columns, norm, factor, offset, low, high, strict, how,
     state.samples++;
     let margin = Infinity, value = 0;
     for (let k = 0; k < (norm ? 1 : columns.length); k++) {
-      let v = rows[at + columns[k]];
-      if (norm) {
-        let sum = 0;
-        for (const column of columns) sum += rows[at + column] * rows[at + column];
-        v = Math.sqrt(sum);
-      }
+      let v = norm ? magnitude(columns, rows, at) : rows[at + columns[k]];
       if (!same) v = v * factor + offset;
       const own = Math.min(v - least, most - v);
       if (k === 0 || own < margin) [margin, value] = [own, v];
