@@ -1,4 +1,5 @@
-/* The actuators that there are, rods before wheels: what each gives, and what is asked of it where there is a choice. */
+/* The actuators that there are, rods before wheels: what each gives, and what is asked of it where there is a
+ * choice. */
 #ifndef ALLOCATOR_BOUNDED_ACTUATORS_H
 #define ALLOCATOR_BOUNDED_ACTUATORS_H
 

@@ -86,13 +86,9 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
     const Vector gains = with_gains ? vector(u->rod_gains) : (Vector){1.0, 1.0, 1.0};
     const Vector rods[3] = {scale(gains.x, cross(U.a, field)), scale(gains.y, cross(U.b, field)),
                             scale(gains.z, cross(U.c, field))}; /* [16] */
-    double h_w[ALLOCATOR_BOUNDED_WHEELS];
-    for (int i = 0; i < ALLOCATOR_BOUNDED_WHEELS; ++i) {
-        h_w[i] = i < WHEELS(&law->p) ? u->h_w[i] : 0.0;
-    }
-    Vector spin = scale(-h_w[0], cross(Omega, vector(law->axis[0]))); /* -l_w Omega x e1 [14] */
-    for (int i = 1; i < ALLOCATOR_BOUNDED_WHEELS; ++i) {
-        spin = add(spin, scale(-h_w[i], cross(Omega, vector(law->axis[i]))));
+    Vector spin = {0.0, 0.0, 0.0};
+    for (int i = 0; i < WHEELS(&law->p); ++i) {
+        spin = subtract(spin, scale(u->h_w[i], cross(Omega, vector(law->axis[i])))); /* -l_w Omega x e1 [14] */
     }
     Actuators actuators;
     allocator_bounded_actuators(law, x, u, rods, with_field && allocator_bounded_has_dipole_ff(u), &actuators);
@@ -103,12 +99,11 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
     Vector by_wheels = spin;
     for (int i = 0; i < ALLOCATOR_BOUNDED_WHEELS; ++i) {
         const Vector axis = vector(law->axis[i]);
-        const bool there = i < WHEELS(&law->p);
-        by_wheels = subtract(by_wheels, scale(there ? WHEEL_GAIN(law, x, u, i) * given.dh_w[i] : 0.0, axis));
+        by_wheels = subtract(by_wheels, scale(WHEEL_GAIN(law, x, u, i) * given.dh_w[i], axis));
         y->wheel_torque_cmd[i] = given.dh_w[i];
-        y->b_wheel[i] = there && with_field ? dot(b_B, axis) / B : 0.0;
+        y->b_wheel[i] = i < WHEELS(&law->p) && with_field ? dot(b_B, axis) / B : 0.0;
 #if ALLOCATOR_BOUNDED_WHEELS > 1
-        y->wheel_failed[i] = law->p.find_failures && x->failed_for[i] > 0.0;
+        y->wheel_failed[i] = allocator_bounded_wheel_failed(law, x, i);
 #endif
     }
     store(vector(given.dipole), y->dipole_cmd);

@@ -1,5 +1,6 @@
 /* Allocation of a torque to wheels and magnetic rods within their limits: bounded least squares with a preference. One
- * wheel and three rods in the block `allocator_bounded`; up to four and three in `allocator_bounded_wheels`. Not in the paper; "[n]" is an equation of Sanyal and Lee-Ho, AIAA 2009-5902.
+ * wheel and three rods in the block `allocator_bounded`; up to four and three in `allocator_bounded_wheels`. Not in the
+ * paper; "[n]" is an equation of Sanyal and Lee-Ho, AIAA 2009-5902.
  *
  * Flight code: plain functions of plain structures, bounded time, no recursion, and no memory but the time and, of
  * a set of wheels, what each has given of its commands.
@@ -36,6 +37,9 @@ bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f);
 void allocator_bounded_prepare(const AllocatorBoundedParameters *p, AllocatorBoundedLaw *law);
 
 #if ALLOCATOR_BOUNDED_WHEELS > 1
+/* Whether wheel i is one that failed, where that is looked for. */
+bool allocator_bounded_wheel_failed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, int i);
+
 /* What wheel i gives of its command: as it is told by wheel_gains, else 0 of one that has failed. */
 double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                     const AllocatorBoundedInputs *u, int i);

@@ -1,16 +1,15 @@
-/* The parameters of the allocator: their check, and what follows from them alone. Of a set, rods and wheels that are not
- * there are not checked. Tests: tests/native/test_allocator_wheels.py. */
+/* The parameters of the allocator: their check, and what follows from them alone. Of a set, rods and wheels that are
+ * not there are not checked. Tests: tests/native/test_allocator_wheels.py. */
 #include "actuators.h"
 #include "rotation.h"
 
-static const double ROD_WEIGHT_MIN = 1e-8; /* T; below, the preference along the field drowns in rounding */
+static const double ROD_WEIGHT_MIN = 1e-8;   /* T; below, the preference along the field drowns in rounding */
+static const double WHEEL_WEIGHT_MIN = 1e-4; /* of several wheels; below, their null space drowns in rounding */
 
 #if ALLOCATOR_BOUNDED_WHEELS > 1
 #define OF_EACH(name) {name "[1]", name "[2]", name "[3]", name "[4]"}
-static const double WHEEL_WEIGHT_MIN = 1e-4; /* of several wheels; below, their null space drowns in rounding */
 #else
 #define OF_EACH(name) {name}
-static const double WHEEL_WEIGHT_MIN = 0.0;
 #endif
 
 static bool are_rods(const AllocatorBoundedParameters *p, Fault *f)

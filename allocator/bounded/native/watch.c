@@ -3,10 +3,15 @@
 
 #if ALLOCATOR_BOUNDED_WHEELS > 1
 
-static const double FORGOTTEN = 300.0; /* s, in which what a wheel gave is forgotten */
-static const double TRUST_TORQUE = 0.02,
-                    TRUST_TIME = 100.0; /* of its limit, s: commands below say nothing of a wheel */
-static const double RETRY = 3000.0;     /* s, after which a wheel that failed is tried again */
+static const double FORGOTTEN = 300.0;   /* s, in which what a wheel gave is forgotten */
+static const double TRUST_TORQUE = 0.02; /* of its limit: commands below, for so long, say nothing of a wheel */
+static const double TRUST_TIME = 100.0;  /* s */
+static const double RETRY = 3000.0;      /* s, after which a wheel that failed is tried again */
+
+bool allocator_bounded_wheel_failed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, int i)
+{
+    return law->p.find_failures && x->failed_for[i] > 0.0;
+}
 
 double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                     const AllocatorBoundedInputs *u, int i)
@@ -14,7 +19,7 @@ double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const Alloca
     if (allocator_bounded_has_wheel_gains(u)) {
         return u->wheel_gains[i];
     }
-    return law->p.find_failures && x->failed_for[i] > 0.0 ? 0.0 : 1.0;
+    return allocator_bounded_wheel_failed(law, x, i) ? 0.0 : 1.0;
 }
 
 void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,
