@@ -66,6 +66,13 @@ class Variable:
     """A parameter that the FMU's shell acts on; the block's own structures do not have it."""
 
     @property
+    def bounds(self) -> tuple[float | None, float | None]:
+        """The least and the largest value that the block takes; those of an input are told to tools only."""
+        if self.type == "enumeration":
+            return 1, len(self.items)
+        return (None, None) if self.causality == "input" else (self.min, self.max)
+
+    @property
     def unit(self) -> str | None:
         """In words: the unit of all elements, or, where they differ, those of the elements in their order."""
         return self.units[0] if len(set(self.units)) == 1 else ", ".join(unit or "1" for unit in self.units)

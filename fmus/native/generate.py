@@ -173,9 +173,7 @@ def _followers(interface: Interface) -> list[int]:
 
 def _alike(variable: Variable) -> tuple[str, ...]:
     kind = {"enumeration": "integer"}.get(variable.type, variable.type).upper()
-    low, high = (None, None) if variable.causality == "input" else (variable.min, variable.max)
-    if variable.type == "enumeration":
-        low, high = 1, len(variable.items)
+    low, high = variable.bounds
     variability = {"fixed": "FIXED", "tunable": "TUNABLE"}.get(variable.variability, "MOVING")
     limits = ("-DBL_MAX" if low is None else repr(float(low)), "DBL_MAX" if high is None else repr(float(high)))
     return f"KIND_{kind}", f"CAUSALITY_{variable.causality.upper()}", variability, *limits, _place(variable)

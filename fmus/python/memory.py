@@ -144,11 +144,10 @@ def _references(variables: Iterable[Variable]) -> frozenset[int]:
 
 
 def _bounds(variable: Variable) -> tuple[float, float] | None:
-    if variable.type == "enumeration":
-        return 1, len(variable.items)
-    if variable.causality == "input" or (variable.min is None and variable.max is None):
+    low, high = variable.bounds
+    if low is None and high is None:
         return None
-    return (-math.inf if variable.min is None else variable.min, math.inf if variable.max is None else variable.max)
+    return (-math.inf if low is None else low, math.inf if high is None else high)
 
 
 def _start(variable: Variable, start: Any) -> Any:
