@@ -22,6 +22,7 @@ FILES = (
 PIECES = {
     ("estimator/tables/__init__.py", "plant/tables/field_models.py"): ("_WMM", "_package_file"),
     ("allocator/block.py", "allocator/bounded/parameters.py"): ("UNIT_TOLERANCE",),
+    ("allocator/block.py", "allocator/bounded/allocation.py"): ("INDEPENDENT_MIN",),
     ("controller/block.py", "plant/judge/block.py"): (
         *("REFERENCES", "REFERENCE_TOLERANCE", "Parameters.desired_attitude_0"),
     ),
