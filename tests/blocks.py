@@ -18,6 +18,9 @@ import pytest
 from fmus.build import Block
 from fmus.interface import Variable, load, package_of
 
+PYRAMID = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0]]) / np.sqrt(3.0)
+"""Axes of four wheels, rows."""
+
 
 def module(block: str) -> ModuleType:
     """The Python package of a block."""

@@ -12,6 +12,7 @@ from fmpy.fmi1 import FMICallException
 from scipy.spatial.transform import Rotation
 
 from fmus.interface import Interface, load
+from tests.blocks import PYRAMID
 
 from .host import Host
 
@@ -19,7 +20,6 @@ ROUNDING = 1e-11
 """Of an output's size at this point, and of all its elements' largest."""
 STEPS = {"controller_planned": 80}
 FULL = np.array([[2.13, 0.1, 0.2], [0.1, 3.04, 0.3], [0.2, 0.3, 3.09]])
-PYRAMID = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0]]) / np.sqrt(3.0)
 R_N, V_N = np.array([6971000.0, 0.0, 0.0]), np.array([0.0, -1052.3891, 7488.1109])
 
 

@@ -211,3 +211,14 @@ def serialized(it: Instance, state: c_void_p) -> bytes:
 
 def same(a: dict[str, Any], b: dict[str, Any]) -> bool:
     return all(np.array_equal(a[name], b[name]) for name in a)
+
+
+def assert_first_of_set(one: dict[str, Any], of_set: dict[str, Any]) -> None:
+    """The outputs of a block with one part are, bit by bit, those of the block for a set of which this part alone is
+    there; the others' are zero."""
+    for name, value in one.items():
+        other = of_set[name]
+        if np.shape(other) != np.shape(value):
+            assert not other[1:].any(), name
+            other = other[0]
+        assert np.array_equal(value, other), name

@@ -3,7 +3,6 @@ one wheel."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -11,14 +10,13 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
+from tests.blocks import PYRAMID
 from tests.plant.motion import FULL_INERTIA, measured_order
 
-from .driver import Instance, Refused, running
+from .driver import Instance, Refused, assert_first_of_set, running
 
-AXES = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0]]) / math.sqrt(3.0)
-"""Of a pyramid, rows."""
 FREE: dict[str, Any] = {"gravity_gradient": False, "drag": False, "J_B": FULL_INERTIA}
-FOUR: dict[str, Any] = {**FREE, "wheels": 4, "wheel_axis": AXES}
+FOUR: dict[str, Any] = {**FREE, "wheels": 4, "wheel_axis": PYRAMID}
 
 
 def flown(it: Instance, h: float, n: int, **inputs: Any) -> Instance:
@@ -48,13 +46,7 @@ def test_one_wheel_of_the_set_is_the_wheel_of_the_plant_bit_by_bit() -> None:
             for it in (one, four):
                 it.set("dipole_cmd", dipole)
                 it.step(0.7 * i, 0.7)
-            others = four.outputs()
-            for name, value in one.outputs().items():
-                other = others[name]
-                if np.shape(other) != np.shape(value):
-                    assert not other[1:].any(), name
-                    other = other[0]
-                assert np.array_equal(value, other), name
+            assert_first_of_set(one.outputs(), four.outputs())
 
 
 def test_the_total_momentum_is_conserved_over_an_orbit_while_four_wheels_are_commanded_at_random() -> None:
@@ -81,7 +73,7 @@ def test_wheels_that_spin_up_turn_a_free_body_from_rest_about_one_axis_as_the_cl
     with running("plant_wheels", **FOUR, omega_B0=[0.0, 0.0, 0.0], integrator_order=6) as it:
         R0 = it.get("R_NB")
         flown(it, 0.5, 20, wheel_torque_cmd=torques)
-        rate = -np.linalg.solve(FULL_INERTIA, torques @ AXES)
+        rate = -np.linalg.solve(FULL_INERTIA, torques @ PYRAMID)
         assert it.get("omega_B") == pytest.approx(rate * 10.0, rel=1e-12, abs=1e-18)
         turned = Rotation.from_matrix(R0.T @ it.get("R_NB")).as_rotvec()
         assert turned == pytest.approx(rate * 50.0, rel=1e-9)
@@ -100,7 +92,7 @@ def test_the_order_is_kept_with_four_wheels_of_which_some_stop_or_reach_their_li
 
         def law(t: float, y: np.ndarray, dl: tuple[float, ...] = dl) -> np.ndarray:
             R, W, wheels = y[:9].reshape(3, 3), y[9:12], y[12:]
-            dW = np.linalg.solve(FULL_INERTIA, -np.cross(W, FULL_INERTIA @ W + wheels @ AXES) - dl @ AXES)
+            dW = np.linalg.solve(FULL_INERTIA, -np.cross(W, FULL_INERTIA @ W + wheels @ PYRAMID) - dl @ PYRAMID)
             return np.concatenate(((R @ hat(W)).ravel(), dW, dl))
 
         y = solve_ivp(law, (t0, t1), y, method="DOP853", rtol=1e-13, atol=1e-15).y[:, -1]
@@ -150,7 +142,10 @@ def test_a_wheel_at_rest_breaks_away_above_its_breakaway_friction_and_then_feels
     ("changes", "message"),
     [
         ({"wheels": 5}, "wheels: expected 0 to 4, found 5"),
-        ({"wheels": 3, "wheel_axis": [*AXES[:2], [0.0, 0.0, 0.5], [0.0] * 3]}, r"wheel_axis\[3\]: expected a vector"),
+        (
+            {"wheels": 3, "wheel_axis": [*PYRAMID[:2], [0.0, 0.0, 0.5], [0.0] * 3]},
+            r"wheel_axis\[3\]: expected a vector",
+        ),
         ({"wheels": 2, "h_w0": [0.0, 0.04, 0.0, 0.0]}, r"h_w0\[2\]: expected within wheel_momentum_max, found 0.04"),
     ],
 )

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from tests.blocks import PYRAMID
 from tests.native.driver import Instance, Refused, running
 from tests.plant.motion import FULL_INERTIA
 
-PYRAMID = np.array([[1.0, 1.0, 1.0], [-1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, 1.0]]) / math.sqrt(3.0)
 BODY: dict[str, Any] = {"J_B": FULL_INERTIA, "wheels": 4, "wheel_axis": PYRAMID}
 INERTIAL: dict[str, Any] = {**BODY, "reference": "inertial"}
 NO_FIELD = {"b_B": [0.0, 0.0, 0.0]}
