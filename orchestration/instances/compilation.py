@@ -7,7 +7,7 @@ import hashlib
 import os
 import platform
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from fmus import places
@@ -26,17 +26,27 @@ def compiled(name: str, source: Path, headers: Sequence[Path]) -> Path:
     """
     if ready := places.ready(f"loop/{'' if name == 'loop' else name + '-'}{PLATFORM}{SUFFIX}"):
         return ready
-    parts = source, *headers, _NATIVE / "toolchain.py"
-    digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in parts)).hexdigest()[:16]
-    folder = places.work() / name
-    path = folder / f"{platform.system()}-{platform.machine()}-{digest}"
-    if not path.exists():
+
+    def make(path: Path) -> None:
         from fmus.native import toolchain  # here, since it takes 15 ms and is seldom needed  # noqa: PLC0415
 
         host = toolchain.host_platform()
-        data = toolchain.compile_library(name, [source], [header.parent for header in headers], [host])[host]
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=folder, delete=False) as file:
-            file.write(data)
-        os.replace(file.name, path)
+        folders = [header.parent for header in headers]
+        path.write_bytes(toolchain.compile_library(name, [source], folders, [host])[host])
+
+    return kept(name, [source, *headers, _NATIVE / "toolchain.py"], make)
+
+
+def kept(name: str, parts: Sequence[Path], make: Callable[[Path], None], suffix: str = "") -> Path:
+    """Returns the file that `make` writes to the path it is given; it is made where it is missing or older than its
+    parts. Raises OSError where there is no folder to write to, and what `make` raises.
+    """
+    digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in parts)).hexdigest()[:16]
+    path = places.work() / name / f"{platform.system()}-{platform.machine()}-{digest}{suffix}"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+            made = Path(folder, name + suffix)
+            make(made)
+            os.replace(made, path)
     return path

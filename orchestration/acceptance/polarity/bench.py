@@ -79,12 +79,9 @@ class Bench:
         self, inputs: Mapping[str, Floats], parameters: Mapping[Element, float] | None = None
     ) -> dict[str, Floats]:
         """Returns the same, finite or not. Raises BlockError where it refuses."""
-        if self._slave is not None:
-            self._reset()
-        if self._slave is None:
-            self._open(inputs)
-        rows = self._begun(self._table(inputs), parameters)
-        rows += self._stepped_on(self._table(inputs), 1)
+        self._cleared(inputs)
+        table = self._table(inputs)
+        rows = self._begun(table, parameters) + self._stepped_on(table, 1)
         if not self.keeps_instance:
             self._close()
         return self._by_name(rows)
@@ -94,17 +91,13 @@ class Bench:
 
         Raises BlockError.
         """
-        self.played(inputs)
-        self._reset()
-        if self._slave is None:
-            self._open(inputs)
-        assert self._slave is not None
+        slave = self._cleared(inputs)
         table, half = self._table(inputs), len(next(iter(inputs.values()))) // 2
         self._begun(table)
         self._stepped_on(table[:half], 1)
-        state = self._slave.save()
+        state = slave.save()
         first = self._stepped_on(table, half)
-        self._slave.restore(state)
+        slave.restore(state)
         second = self._stepped_on(table, half)
         return self._by_name(first), self._by_name(second)
 
@@ -114,16 +107,17 @@ class Bench:
     def _table(self, inputs: Mapping[str, Floats]) -> Floats:
         return np.concatenate([inputs[n] for n in self._fed], axis=1)[:, self._order]
 
-    def _reset(self) -> None:
-        """Sets the instance back to its start, or closes it where it cannot."""
+    def _cleared(self, inputs: Mapping[str, Floats]) -> Slave:
+        """Returns the instance, set back to its start; a new one where there is none, or where it cannot be reset."""
         try:
             if self._slave is not None:
                 self._slave.reset()
         except BlockError:
             self.keeps_instance = False
             self._close()
+        return self._slave or self._open(inputs)
 
-    def _open(self, inputs: Mapping[str, Floats]) -> None:
+    def _open(self, inputs: Mapping[str, Floats]) -> Slave:
         variables = self.model.variables
         self._fed = list(inputs)
         elements = [Element(name, i) for name in self._fed for i in range(variables[name].size)]
@@ -133,6 +127,7 @@ class Bench:
         self._slave = Slave(self.block, self._fmu, self._folder)
         self._stepped: Block = self.opened.adapted(self._slave)
         self._given: Floats | None = None
+        return self._slave
 
     def _begun(self, table: Floats, parameters: Mapping[Element, float] | None = None) -> list[Floats]:
         """Initializes it, and returns its outputs at the start."""

@@ -126,7 +126,7 @@ class _Stand:
             stimulus = _stimulus(self.model.variables[name], values, self.row, axis, share)
             if stimulus is None:
                 return []
-            text, stimulated = stimulus
+            text, stimulated, turned = stimulus
             held = np.repeat(stimulated[None], self.count + 1, axis=0)
             held[0] = self.base[name][0]  # it begins at the base, so that nothing latches the stimulus
             after = self._last({**self.base, name: held})
@@ -139,11 +139,10 @@ class _Stand:
             if listed:
                 of = self.model.variables
                 before = {n: rows[0] for n, rows in self.base.items()}
-                turned = _TURN if text.startswith(f"{name} turned") else None
                 steps = self.count // self.loop.plan.scenario.blocks[self.block].every
-                outputs = tuple({n: given[n] for n in listed} for given in (at_rest, after))
+                outputs = {n: at_rest[n] for n in listed}, {n: after[n] for n in listed}
                 inputs = before, {**before, name: stimulated}
-                card.trials.append(Trial(self.block, name, axis, turned, hold, steps, inputs, (outputs[0], outputs[1])))
+                card.trials.append(Trial(self.block, name, axis, turned, hold, steps, inputs, outputs))
                 return [Step(self.block, port, text, hold, n, _vector(of[n], changes[n], sign=True)) for n in listed]
             lines = lines or [Step(self.block, port, text, hold, "", "no output changes")]
         return lines
@@ -157,16 +156,20 @@ class _Stand:
         return f"refused: {failure.problem}" if failure else {name: values[-1] for name, values in played.items()}
 
 
-def _stimulus(variable: Variable, values: Floats, row: int, axis: int, share: float) -> tuple[str, Floats] | None:
-    """Returns to what an input is set on one of its axes, in words and in numbers; None where that is nothing."""
+def _stimulus(
+    variable: Variable, values: Floats, row: int, axis: int, share: float
+) -> tuple[str, Floats, float | None] | None:
+    """Returns to what an input is set on one of its axes, in words and in numbers, and of a rotation by what angle;
+    None where that is nothing."""
     first, n = values[row], values.shape[1]
     if variable.type == "boolean":
-        return "inverted", 1.0 - first
+        return "inverted", 1.0 - first, None
     if variable.type != "real":
         return None
     if kind_of(variable, range(n), values) == "rotation":
         turn = np.array(rotation.about([float(axis == j) for j in range(3)], _TURN)).reshape(3, 3)
-        return f"{variable.name} turned by +10 deg about its column {axis + 1}", (first.reshape(3, 3) @ turn).ravel()
+        text = f"{variable.name} turned by +10 deg about its column {axis + 1}"
+        return text, (first.reshape(3, 3) @ turn).ravel(), _TURN
     alike = [axis] if variable.units else list(range(n))
     sizes = np.linalg.norm(values[:, alike], axis=1)
     steady = 0.1 if sizes.min() > 0.5 * sizes.max() else 1.0  # what never vanishes is changed by a part of it
@@ -176,7 +179,7 @@ def _stimulus(variable: Variable, values: Floats, row: int, axis: int, share: fl
     if change == 0.0:
         return None
     label = variable.name + (f"[{axis + 1}]" if n > 1 else "")
-    return f"{label} {_vector(one, np.array([change]), sign=True)}", first + change * np.eye(n)[axis]
+    return f"{label} {_vector(one, np.array([change]), sign=True)}", first + change * np.eye(n)[axis], None
 
 
 def _shown_in(variable: Variable) -> Unit | None:

@@ -15,9 +15,9 @@ from ...fmu.model import Element, Floats
 from .bench import Bench
 from .causes import Cause
 
-_STARTS = (0.5, 0.8, 1.25, 2.0, *np.geomspace(0.4, 2.5, 33).tolist())
+_RANGE = 0.4, 2.5
+_STARTS = (0.5, 0.8, 1.25, 2.0, *np.geomspace(*_RANGE, 33).tolist())
 """Factors that are tried first: limits and holds make many small steps."""
-_ENDS = 0.4, 2.5
 _GOLDEN = (5.0**0.5 - 1.0) / 2.0
 _SERVES = 1e-4
 """A share of the outputs' size up to which a parameter of another value explains them."""
@@ -31,7 +31,7 @@ def changed_parameter(
     whole: Mapping[str, Floats],
     given_few: Mapping[str, Floats],
     given: Mapping[str, Floats],
-    ends: float = np.inf,
+    ends: float,
 ) -> tuple[Cause, float] | None:
     """Returns the parameter, and what it leaves of the whole run; None where none explains it.
 
@@ -43,7 +43,7 @@ def changed_parameter(
         if monotonic() > ends:
             return None
         left = cache(_left(ours, name, few, given_few))
-        if all(left(end) == left(1.0) for end in _ENDS):  # it has no effect on these inputs
+        if all(left(end) == left(1.0) for end in _RANGE):  # it has no effect on these inputs
             continue
         start = min(_STARTS, key=left)
         if left(start) >= left(1.0):

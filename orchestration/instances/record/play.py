@@ -5,14 +5,10 @@ Tests: tests/orchestration/instances/record/test_play.py.
 
 from __future__ import annotations
 
-import hashlib
-import os
-import platform
 import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +18,7 @@ from fmus import places
 from ...errors import InputError, reason
 from ...fmu.archive import Fmu, open_fmu
 from ...temporary import temporary
+from ..compilation import kept
 from .recorder import FIRST, FOLDER, complete
 
 RECORD = "calls.bin"
@@ -135,26 +132,21 @@ def _beside(record: Path) -> Path:
 
 def _program() -> Path:
     """Returns replay.c as a program of this machine, compiled where it is missing or out of date. Raises InputError."""
-    from fmus.native import toolchain  # here, since it takes 15 ms  # noqa: PLC0415
-
-    sources = [FOLDER / name for name in _SOURCES]
-    digest = hashlib.sha256(b"\n".join(path.read_bytes() for path in sources)).hexdigest()[:16]
-    program = places.work() / "replay" / f"{platform.system()}-{platform.machine()}-{digest}.exe"
-    if program.exists():
-        return program
-    link = ["-lm", "-ldl"] if sys.platform == "linux" else []
     try:
-        program.parent.mkdir(parents=True, exist_ok=True)
-        zig, found = toolchain.zig(), next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
-        if zig is None and found is None:
-            raise InputError("a record is played by a program in C; remedy: pip install ziglang, or a C compiler (cc)")
-        compiler = [str(zig), "cc"] if zig is not None else [str(found)]
-        with tempfile.TemporaryDirectory(dir=program.parent) as folder:
-            made = Path(folder, "replay.exe")
-            toolchain.run([*compiler, "-O2", "-std=c11", str(sources[0]), *link, "-o", str(made)], made)
-            os.replace(made, program)
-    except toolchain.CompilerError as error:
+        return kept("replay", [FOLDER / name for name in _SOURCES], _compile, ".exe")
+    except RuntimeError as error:
         raise InputError(f"a record is played by a program in C, which cannot be made: {error}") from None
     except OSError as error:
-        raise InputError(f"{program.parent}: {reason(error)}") from None
-    return program
+        raise InputError(f"{places.work() / 'replay'}: {reason(error)}") from None
+
+
+def _compile(program: Path) -> None:
+    """Raises InputError without a compiler, and RuntimeError with the words of one."""
+    from fmus.native import toolchain  # here, since it takes 15 ms  # noqa: PLC0415
+
+    zig, found = toolchain.zig(), next(filter(None, map(shutil.which, ("cc", "gcc", "clang"))), None)
+    if zig is None and found is None:
+        raise InputError("a record is played by a program in C; remedy: pip install ziglang, or a C compiler (cc)")
+    compiler = [str(zig), "cc"] if zig is not None else [str(found)]
+    link = ["-lm", "-ldl"] if sys.platform == "linux" else []
+    toolchain.run([*compiler, "-O2", "-std=c11", str(FOLDER / _SOURCES[0]), *link, "-o", str(program)], program)
