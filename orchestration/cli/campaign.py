@@ -13,9 +13,9 @@ import click
 from ..campaign import engine
 from ..campaign.case import Case, read_campaign
 from ..campaign.flying import batches
-from ..campaign.flying.rows import Rows
 from ..campaign.replay import Replayed, replay, worst
 from ..campaign.report.page import metrics_of, write
+from ..campaign.report.plots import Metric
 from ..campaign.sums import read
 from ..errors import InputError
 from ..expectations.metrics import MetricError
@@ -109,11 +109,17 @@ def command(
     finally:
         bar.close()
     if not quiet:
-        summary(read(target), finished.reason, metrics_of(Rows(target)) if finished.flown else ())
+        summary(read(target), finished.reason, _metrics(target) if finished.flown else ())
         say(f"\nresults in {target}" + ("" if finished.page is None else f", report in {finished.page}"))
     if open_ and finished.page is not None:
         open_page(finished.page)
     ctx.exit(_status(case, finished, quiet))
+
+
+def _metrics(folder: Path) -> list[Metric]:
+    from ..campaign.flying.rows import Rows  # it needs PyArrow, and the help does without  # noqa: PLC0415
+
+    return metrics_of(Rows(folder))
 
 
 def _note(text: str) -> None:

@@ -13,6 +13,7 @@ from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from typing import Any
+from unittest.mock import patch
 from uuid import uuid4
 
 import numpy as np
@@ -35,9 +36,7 @@ except ImportError as error:
     ) from None
 
 _TRIES = 3
-"""So many workers may die of a batch before it is flown by itself, and of a run before it counts as failed. (A
-scheduler that is there has a number of its own.)
-"""
+"""So many workers may die of a batch, or of a run flown alone. A scheduler elsewhere has a number of its own."""
 _AHEAD = 2
 """Batches in flight for each that can be flown at a time, so that no worker waits for the next."""
 _PATIENCE = 30.0
@@ -216,15 +215,10 @@ def local(workers: int | None = None, dashboard: bool = False) -> Iterator[Any]:
         raise InputError("Dask's dashboard needs the package 'bokeh'; remedy: pip install bokeh, or no --dashboard")
     if not dashboard:  # else Dask would serve pages about itself without one, too
         dask.config.set({"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []})
-    before = dict(os.environ)
-    os.environ["PYTHONSAFEPATH"] = "1"  # else workers would import a `signal.py` of the working folder
-    try:
-        with dask.config.set(_settings(dashboard)), _started(workers or os.cpu_count() or 1, dashboard) as cluster:
-            yield cluster
-    finally:  # Dask sets some more for its workers
-        for name in os.environ.keys() - before.keys():
-            del os.environ[name]
-        os.environ |= before
+    # Else workers would import a `signal.py` of the working folder. Dask sets more for them, and leaves it set.
+    environment, settings = patch.dict(os.environ, PYTHONSAFEPATH="1"), dask.config.set(_settings(dashboard))
+    with environment, settings, _started(workers or os.cpu_count() or 1, dashboard) as cluster:
+        yield cluster
 
 
 def _started(workers: int, dashboard: bool) -> LocalCluster:
