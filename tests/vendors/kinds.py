@@ -3,7 +3,7 @@
 right   the FMU's words, units and names tell what it is, so `check --suggest` has to propose the mapping in full.
 wrong   nothing in the FMU tells it: it has to be detected and named, with the mapping that corrects it.
 cause   no wiring corrects it: the cause has to be named with its size, or else nothing but the symptom.
-silent  nothing can name it (it needs an orbit or the turning Earth): it has to be detected, and no cause stated.
+silent  nothing can name it: it has to be detected, and no cause stated.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from random import Random
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from orchestration.quantities import parse_unit
 
@@ -278,18 +279,31 @@ def untold_quaternion(case: Case, ours: str) -> None:
     quaternion(case, ours, told=False)
 
 
-# ------------------------------------------------------------ silent: no mapping serves
+# ------------------------------------------------------------ frames: no mapping serves
 
 
 def relative_rate(case: Case, ours: str) -> None:
     """The rate relative to LVLH."""
     case.vendor.port(ours).kind, case.vendor.port(ours).form = "turned", 1
+    case.causes.append(("frame", ours, 0.0))
 
 
 def earth(case: Case, ours: str) -> None:
     """The position along axes that turn with the Earth."""
     port = case.vendor.port(ours)
     port.kind, port.factor = "earth", 1.7
+    case.causes.append(("frame", ours, float(np.degrees(port.factor))))
+
+
+def of_2000(case: Case, ours: str) -> None:
+    """Position and velocity along the axes of J2000, read as those of date (Lieske's precession of 26.8 years)."""
+    t = case.rng.choice((0.1, 0.268, 0.5))
+    z, theta, zeta = (np.radians(x * t / 3600.0) for x in (2306.2181, 2004.3109, 2306.2181))
+    P = Rotation.from_euler("ZYZ", [z, -theta, zeta]).as_matrix()
+    for name in ("r_N", "v_N"):
+        case.vendor.port(name).A = P @ case.vendor.port(name).A
+        case.touched.add(name)
+    case.causes.append(("frame", "r_N and v_N", 0.0))
 
 
 # ------------------------------------------------------------ causes
@@ -370,8 +384,9 @@ KINDS: dict[str, Kind] = {
     "quaternion, untold": Kind(untold_quaternion, ("R_NB",), "wrong"),
     "matrix N to B, untold": Kind(lambda case, ours: transposed(case, ours, False), ("R_NB",), "wrong"),
     "rate in N, untold": Kind(lambda case, ours: inertial_rate(case, ours, False), ("omega_B@controller",), "wrong"),
-    "rate relative to LVLH": Kind(relative_rate, ("omega_B@controller",), "silent"),
-    "position along the Earth's axes": Kind(earth, ("r_N",), "silent"),
+    "rate relative to LVLH": Kind(relative_rate, ("omega_B@controller",), "cause"),
+    "position along the Earth's axes": Kind(earth, ("r_N",), "cause"),
+    "orbit along the axes of J2000": Kind(of_2000, ("r_N",), "cause"),
     "late": Kind(_effect("delay", lambda c, o: c.rng.choice((1.0, 2.0, 5.0))), _OUT, "cause"),
     "late by a fraction": Kind(_effect("delay", lambda c, o: c.rng.choice((0.5, 1.3))), _OUT, "cause"),
     "own sample time": Kind(_effect("hold", lambda c, o: c.rng.choice((5.0, 10.0))), _OUT, "cause"),
@@ -397,7 +412,7 @@ def _port(kind: Kind, case: Case) -> str | None:
         known = any(port.ours == ours for port in case.vendor.ports)
         if known and ours not in case.touched and only in ("", case.vendor.block):
             free.append(ours)
-    if kind.answer == "cause":
+    if kind.answer == "cause" and set(kind.ports) <= set(_OUT):
         free = [name for name in free if case.vendor.port(name).causality == "output"]
     return case.rng.choice(free) if free else None
 

@@ -295,8 +295,13 @@ def _turned(name: str, ours: Floats, theirs: Floats, size: float) -> tuple[list[
     axis = np.array([M[2, 1] - M[1, 2], M[0, 2] - M[2, 0], M[1, 0] - M[0, 1]])
     angle = float(np.degrees(np.arctan2(np.linalg.norm(axis), np.trace(M) - 1.0)))
     axis = axis / (float(np.linalg.norm(axis)) or 1.0)
-    words = f"turned by {angle:.4g} deg about ({', '.join(f'{x:.3g}' for x in axis)})"
+    words = f"turned by {angle:.4g} deg about {along(axis)}"
     return [Cause("turned", name, angle, words, float(np.sqrt((left * left).mean())) / size)], left
+
+
+def along(axis: Floats) -> str:
+    """Returns a unit vector in words."""
+    return f"({', '.join(f'{x + 0.0:g}' for x in np.round(axis, 3))})"
 
 
 def _shifted(values: Floats, k: int) -> Floats:

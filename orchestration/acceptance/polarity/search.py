@@ -21,6 +21,7 @@ from ...fmu.model import Floats, Variable
 from ...scenario.source import Source
 from .causes import Cause, causes_of
 from .fly import Loop
+from .frames import other_frame, readings
 from .identify import ALIKE, CHANGE, COARSE, INSTANTS, MINUS, SAME, Changes, Identifier, Score, key_of, minus_of
 from .parameters import changed_parameter
 from .ports import Port
@@ -92,9 +93,11 @@ class Search(Identifier):
         if best.named and best.after <= ALIKE:
             return best
         if not best.named:
+            best = self._with_frame(best, theirs, before, first, monotonic() + seconds)
+        if not best.named:
             best = self._with_parameter(best, [], theirs, before, first, monotonic() + seconds)
-            if best.named:
-                return best
+        if best.named and best.causes and best.causes[0].kind in ("frame", "parameter"):
+            return best
         starts = [self._descend(changes, ends) for _, changes in tried[:4]]
         found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), theirs, before, first)
         best = min(best, found, key=_worth)
@@ -198,6 +201,26 @@ class Search(Identifier):
                 if found.named:
                     return min(best, found, key=_worth)
         return best
+
+    def _with_frame(
+        self,
+        best: Identified,
+        theirs: dict[str, Floats],
+        before: float,
+        first: tuple[str, float] | None,
+        ends: float,
+    ) -> Identified:
+        """Looks for a frame in which inputs are read, until the time ends."""
+        assert self.given is not None
+        on_few: Floats = np.asarray(self._kept * self._ours.step, np.float64)
+        on_all: Floats = np.arange(0.0, len(next(iter(self.whole.values())))) * self._ours.step
+        few = self.misread(self.few, self.base), on_few, {n: self.given[n] for n in self.reference}
+        whole = self.misread(self.whole, self.base), on_all, {n: theirs[n] for n in self.reference}
+        made = other_frame(self._ours, readings(self.ports, self._theirs.model.variables), few, whole, ends)
+        if made is None:
+            return best
+        found = Identified(self.base, {}, before, made[1], self.ports, (made[0],), first)
+        return min(best, found, key=_worth) if found.named else best
 
     def _pairs(self, ends: float) -> tuple[list[tuple[Score, Changes]], bool]:
         vectors = [n for n in self.inputs if self.ports[n].kind in ("vector", "rotation") and n not in self.base]

@@ -1,0 +1,174 @@
+"""Finds inputs that are read in another frame, which no mapping mends: vectors turned by any angle or turning with the
+Earth, and a rate relative to LVLH.
+
+Ours that reads its inputs so has to give what theirs gives; unknown angles are fitted by SciPy's least squares.
+Tests: tests/orchestration/acceptance/test_frames.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import product
+from time import monotonic
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from ...fmu.model import Floats, Variable
+from .bench import Bench
+from .causes import Cause, along
+from .ports import Port
+from .wrongs import frames_of
+
+EARTH_RATE = 7.292115e-5
+"""rad/s, of the Earth's axes."""
+_POLE = np.array([0.0, -0.39778, 0.91748])
+"""Of the ecliptic, along the axes of the equator: about it these turn by _PRECESSION, rad a year."""
+_PRECESSION = np.radians(50.29 / 3600.0)
+_SERVES, _NEAR = 1e-4, 0.05
+"""Shares of the outputs' size up to which one explains them, and up to which it is looked at on the whole run."""
+_PART = 0.02
+"""And a share of the difference as wired, up to which one explains it."""
+_CLEAR, _EXACT = 3.0, 1e-8
+"""Another serves as well where it leaves at most so many times the least, or so much."""
+_LEAST = 1e-5
+"""rad; a turn by less is none."""
+
+Inputs = Mapping[str, Floats]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How inputs are read: `read` gives those that change, of all inputs (n, elements), times (n,) s and unknowns."""
+
+    where: str
+    read: Callable[[Inputs, Floats, Floats], dict[str, Floats]]
+    words: Callable[[Floats], str]
+    starts: tuple[tuple[float, ...], ...] = ((),)
+    """Of the unknowns, rad; one is fitted from the best of them."""
+
+    def size(self, unknowns: Floats) -> float:
+        return float(np.degrees(np.linalg.norm(unknowns)))
+
+
+def other_frame(
+    ours: Bench,
+    allowed: Iterable[Reading],
+    few: tuple[Inputs, Floats, Inputs],
+    whole: tuple[Inputs, Floats, Inputs],
+    ends: float,
+) -> tuple[Cause, float] | None:
+    """Returns the frame in which inputs are read, and what it leaves of the whole run; None where none explains it.
+
+    `few` and `whole` are inputs (instants, elements), their times (instants,) in s, and the outputs of theirs on them.
+    None is begun after `ends`, by the monotonic clock, and then none is named: another could serve as well.
+    """
+    found: list[tuple[float, Reading, Floats]] = []
+    _, as_wired = _fitted(ours, Reading("", lambda *_: {}, lambda _: ""), *whole, ((),))
+    for reading in allowed:
+        if monotonic() > ends:
+            return None
+        unknowns, left = _fitted(ours, reading, *few, reading.starts)
+        if left > _NEAR or (len(unknowns) and np.abs(unknowns).max() < _LEAST):
+            continue
+        unknowns, left = _fitted(ours, reading, *whole, (tuple(unknowns.tolist()),))
+        if left < min(_SERVES, _PART * as_wired):
+            found.append((left, reading, unknowns))
+    if not found:
+        return None
+    most = max(_CLEAR * min(left for left, _, _ in found), _EXACT)
+    found = sorted((one for one in found if one[0] <= most), key=lambda one: (len(one[2]), one[0]))
+    left, reading, unknowns = found[0]
+    others = [f"{r.where}: {r.words(u)}" for _, r, u in found[1:]]
+    words = "; or equally well ".join([reading.words(unknowns), *others])
+    return Cause("frame", reading.where, reading.size(unknowns), words, left), left
+
+
+def readings(ports: Mapping[str, Port], variables: Mapping[str, Variable]) -> Iterator[Reading]:
+    """Returns the readings that the inputs of a block allow, by their frames and units."""
+    frames = {n: frames_of(variables[n]) for n, p in ports.items() if p.causality == "input"}
+    vectors = {n: sides[0] for n, sides in frames.items() if ports[n].kind == "vector" and len(sides) == 1}
+    matrices = {n: sides for n, sides in frames.items() if ports[n].kind == "rotation" and len(sides) == 2}
+    units = {n: str(ports[n].unit) for n in vectors}
+    for name, (outer, inner) in matrices.items():
+        positions = [n for n in vectors if units[n] == "m" and vectors[n] == outer]
+        speeds = [n for n in vectors if units[n] == "m/s" and vectors[n] == outer]
+        rates = [n for n in vectors if units[n] == "rad/s" and vectors[n] == inner]
+        for rate, r, v, sign in product(rates, positions, speeds, (1.0, -1.0)):
+            yield _relative(rate, name, r, v, sign)
+    for frame in dict.fromkeys(vectors.values()):
+        names = [n for n in vectors if vectors[n] == frame]
+        sides = [n for n, pair in matrices.items() if frame in pair]
+        for group in [names, *([n] for n in names if len(names) > 1)]:
+            against = sides if group == names else [n for n in names if n not in group]
+            if frame == "N":
+                yield _of_earth(group, against)
+            yield _turned(group, against)
+
+
+def _relative(rate: str, matrix: str, r: str, v: str, sign: float) -> Reading:
+    def read(inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:
+        R, position = inputs[matrix].reshape(-1, 3, 3), inputs[r]
+        orbital = np.cross(position, inputs[v]) / (position * position).sum(axis=1, keepdims=True)
+        return {rate: inputs[rate] + sign * np.einsum("nji,nj->ni", R, orbital)}
+
+    wanted, change = ("relative to LVLH", "added") if sign > 0.0 else ("to which that of LVLH is added", "taken off")
+    return Reading(rate, read, lambda unknowns: f"taken as a rate {wanted}: r x v / |r|^2 is {change}")
+
+
+def _of_earth(names: list[str], against: list[str]) -> Reading:
+    def read(inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:
+        turn = Rotation.from_rotvec((unknowns[0] + EARTH_RATE * time)[:, None] * [0.0, 0.0, 1.0])
+        return {n: turn.apply(inputs[n]) for n in names}
+
+    def words(unknowns: Floats) -> str:
+        angle = float(np.degrees(unknowns[0])) % 360.0
+        return f"taken along axes that turn with the Earth{_beside(against)}, at {angle:.5g} deg at the start"
+
+    starts = tuple((angle,) for angle in np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False).tolist())
+    return Reading(_all(names), read, words, starts)
+
+
+def _turned(names: list[str], against: list[str]) -> Reading:
+    def read(inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:
+        turn = Rotation.from_rotvec(unknowns)
+        return {n: turn.apply(inputs[n]) for n in names}
+
+    def words(unknowns: Floats) -> str:
+        angle = float(np.linalg.norm(unknowns))
+        axis = unknowns / angle
+        text = f"turned by {np.degrees(angle):.4g} deg about {along(axis)}{_beside(against)}"
+        if abs(float(axis @ _POLE)) > 0.9995 and angle < 0.02:
+            text += f", as the equator turns in {angle / _PRECESSION:.3g} years (J2000 and of date)"
+        return text
+
+    return Reading(_all(names), read, words, ((0.0, 0.0, 0.0),))
+
+
+def _beside(against: list[str]) -> str:
+    return f", against {_all(against)}" if against else ""
+
+
+def _all(names: list[str]) -> str:
+    return " and ".join(names)
+
+
+def _fitted(
+    ours: Bench, reading: Reading, inputs: Inputs, time: Floats, given: Inputs, starts: tuple[tuple[float, ...], ...]
+) -> tuple[Floats, float]:
+    """Returns the unknowns with which ours is nearest to theirs, and what is left, as a share of theirs."""
+    own = {n: v for n, v in inputs.items() if n in ours.model.variables}
+
+    def left(unknowns: Floats) -> Floats:
+        played = ours.play(own | reading.read(own, time, unknowns))
+        sizes = {n: float(np.linalg.norm(v)) or 1.0 for n, v in given.items()}
+        if played is None:
+            return np.full(sum(v.size for v in given.values()), 1.0)
+        return np.concatenate([((played[n] - v) / sizes[n]).ravel() for n, v in given.items()]) / len(given) ** 0.5
+
+    best = min((np.array(start, float) for start in starts), key=lambda start: float(np.linalg.norm(left(start))))
+    if len(best):
+        best = least_squares(left, best, x_scale=1e-3, diff_step=1e-6, xtol=1e-12, ftol=1e-12, max_nfev=20).x
+    return best, float(np.linalg.norm(left(best)))

@@ -1,0 +1,126 @@
+"""Inputs in another frame are named with their angle; ERFA's precession is the witness of J2000."""
+
+from __future__ import annotations
+
+import math
+
+import erfa
+import numpy as np
+import pytest
+
+from orchestration.acceptance.polarity.frames import EARTH_RATE, other_frame, readings
+from orchestration.acceptance.polarity.ports import Port
+from orchestration.fmu.model import Variable
+from orchestration.quantities import parse_unit
+
+FRAMES = {"R_NB": "N from B", "omega_B": "B", "r_N": "N", "v_N": "N"}
+UNITS = {"R_NB": "1", "omega_B": "rad/s", "r_N": "m", "v_N": "m/s"}
+KINDS = {"R_NB": "rotation"}
+STEP, COUNT = 0.5, 400
+
+
+def turn(axis: int, angle: float) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    R = np.eye(3)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    R[[i, j, i, j], [i, j, j, i]] = c, c, -s, s
+    return R
+
+
+class Block:
+    """Gives R^T (r x v) / |r|^2 - omega and R^T r / |r|: what a controller of an LVLH attitude makes of its inputs."""
+
+    def play(self, inputs: dict) -> dict:
+        R, r, v = inputs["R_NB"].reshape(-1, 3, 3), inputs["r_N"], inputs["v_N"]
+        rate = np.cross(r, v) / (r * r).sum(axis=1, keepdims=True)
+        in_body = np.einsum("nji,nj->ni", R, rate) - inputs["omega_B"]
+        down = np.einsum("nji,nj->ni", R, r) / np.linalg.norm(r, axis=1)[:, None]
+        return {"rate": 1e3 * in_body, "down": down}
+
+    class model:
+        variables = FRAMES
+
+
+@pytest.fixture(scope="module")
+def flown():
+    time = np.arange(COUNT) * STEP
+    angle, radius, rate = 1.1e-3 * time, 7e6, 1.1e-3
+    tilt = turn(0, 1.2)
+    r = radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], 1) @ tilt.T
+    v = radius * rate * np.stack([-np.sin(angle), np.cos(angle), 0 * angle], 1) @ tilt.T
+    R = np.array([(turn(2, 0.01 * t) @ turn(1, 0.3 + 0.004 * t)).ravel() for t in time])
+    omega = np.stack([0.01 * np.sin(0.05 * time), 0.02 * np.cos(0.03 * time), 0.005 + 0 * time], 1)
+    return time, {"R_NB": R, "omega_B": omega, "r_N": r, "v_N": v}
+
+
+def named(flown, read):
+    """Returns what is named of a block of theirs which reads its inputs so."""
+    time, inputs = flown
+    variables = {n: Variable(n, "input", shape=(len(v[0]),), frame=FRAMES[n]) for n, v in inputs.items()}
+    ports = {
+        n: Port("b", n, "input", tuple(range(v.shape[1])), KINDS.get(n, "vector"), parse_unit(UNITS[n]), v.shape[1])
+        for n, v in inputs.items()
+    }
+    theirs = Block().play(inputs | read(time, inputs))
+    some = slice(None, None, 20)
+    few = {n: v[some] for n, v in inputs.items()}, time[some], {n: v[some] for n, v in theirs.items()}
+    return other_frame(Block(), readings(ports, variables), few, (inputs, time, theirs), math.inf)
+
+
+def test_a_position_along_the_axes_of_the_earth_has_its_angle_at_the_start(flown):
+    def read(time, inputs):
+        turns = np.array([turn(2, 4.0 + EARTH_RATE * t) for t in time])
+        return {"r_N": np.einsum("nij,nj->ni", turns, inputs["r_N"])}
+
+    cause, left = named(flown, read)
+    assert cause.where == "r_N"
+    assert cause.size == pytest.approx(math.degrees(4.0), abs=1e-3)
+    assert "turn with the Earth" in cause.text
+    assert left < 1e-8
+
+
+def test_an_orbit_along_the_axes_of_J2000_is_named_with_its_years(flown):
+    precession = erfa.bp00(2451545.0, 26.9 * 365.25)[1]
+
+    def read(time, inputs):
+        return {n: inputs[n] @ precession.T for n in ("r_N", "v_N")}
+
+    cause, _ = named(flown, read)
+    assert cause.where == "r_N and v_N"
+    assert "as the equator turns in 26.9 years (J2000 and of date)" in cause.text
+
+
+@pytest.mark.parametrize(("sign", "words"), [(1.0, "relative to LVLH"), (-1.0, "that of LVLH is added")])
+def test_a_rate_relative_to_LVLH_is_named_in_its_direction(flown, sign, words):
+    def read(time, inputs):
+        R = inputs["R_NB"].reshape(-1, 3, 3)
+        r, v = inputs["r_N"], inputs["v_N"]
+        orbital = np.cross(r, v) / (r * r).sum(axis=1, keepdims=True)
+        return {"omega_B": inputs["omega_B"] + sign * np.einsum("nji,nj->ni", R, orbital)}
+
+    cause, _ = named(flown, read)
+    assert cause.where == "omega_B"
+    assert words in cause.text
+    assert "equally" not in cause.text
+
+
+def test_a_sensor_that_is_mounted_askew_has_axis_and_angle(flown):
+    mounted = turn(2, math.radians(1.5))
+    cause, _ = named(flown, lambda time, inputs: {"omega_B": inputs["omega_B"] @ mounted.T})
+    assert cause.where == "omega_B"
+    assert cause.size == pytest.approx(1.5, abs=1e-4)
+    assert "turned by 1.5 deg about (0, 0, 1)" in cause.text
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        lambda time, inputs: {"r_N": inputs["r_N"] * [1.0, 1.02, 1.0]},
+        lambda time, inputs: {"omega_B": inputs["omega_B"] + 1e-3},
+        lambda time, inputs: {"v_N": np.roll(inputs["v_N"], 20, axis=0)},
+        lambda time, inputs: {},
+    ],
+    ids=["a scale", "a bias", "late", "nothing"],
+)
+def test_no_frame_is_named_for_what_is_none(flown, read):
+    assert named(flown, read) is None
