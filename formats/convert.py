@@ -168,7 +168,7 @@ def timeline(ephemeris: Path, scenario: Path, out: Path, goal: str, epoch: str) 
     last = loaded.duration - loaded.step
     times = course.instants.time
     # A value acts from the next step on; of several for one step the first counts.
-    steps = np.ceil(times / loaded.step - 1e-9)
+    steps = np.ceil(times / loaded.step - 1e-9) + 0.0  # which makes 0 of -0
     kept = np.unique(steps, return_index=True)[1]
     kept = kept[(steps[kept] >= 0) & (steps[kept] * loaded.step <= last)]
     if not len(kept):
@@ -182,7 +182,7 @@ def timeline(ephemeris: Path, scenario: Path, out: Path, goal: str, epoch: str) 
     if port == "R_goal":
         entries[0]["set"] = {f"{block}.command": _INERTIAL, **entries[0]["set"]}  # type: ignore[dict-item]
     base = Path(scenario).resolve()
-    data = {"extends": str(base), "name": f"{loaded.name}_{ephemeris.stem}", "timeline": entries}
+    data = {"extends": str(base), "name": out.stem, "expect": [], "timeline": entries}  # expectations are of its own
     text = yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=120)
     _written(out, lambda path: path.write_text(text, "utf-8"))
     return len(kept)

@@ -77,7 +77,9 @@ def test_an_ephemeris_becomes_the_goal_of_a_supervisor(tmp_path):
         *(tmp_path / "plan.aem", "--to", "timeline", "--scenario", scenario, "--out", tmp_path / "planned.yaml")
     )
     assert done.stdout == f"2 entries in {tmp_path / 'planned.yaml'}\n"
+    assert "- at: 0 s\n" in (tmp_path / "planned.yaml").read_text("utf-8")
     flown = run(tmp_path / "planned.yaml", duration="10 s")
+    assert (flown.scenario.name, flown.outcomes) == ("planned", [])
     for t, goal in ((5.0, R[0]), (10.0, R[1])):
         reference = flown["supervisor.R_ref"][flown.time == t][0]
         assert reference == pytest.approx(goal, abs=1e-9), t

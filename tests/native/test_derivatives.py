@@ -48,7 +48,7 @@ def flown(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[FMU3Slave]
     it.freeInstance()
 
 
-def _derivative(it: FMU3Slave, unknowns: Sequence[str], knowns: Sequence[str], seed: Floats, adjoint: bool = False):
+def derivative(it: FMU3Slave, unknowns: Sequence[str], knowns: Sequence[str], seed: Floats, adjoint: bool = False):
     call = it.fmi3GetAdjointDerivative if adjoint else it.fmi3GetDirectionalDerivative
     size = sum(len(it.block.variables[name].elements) for name in (knowns if adjoint else unknowns))
     of, by = ((c_uint32 * len(names))(*(it.at[name] for name in names)) for names in (unknowns, knowns))
@@ -80,7 +80,7 @@ def test_the_derivative_along_each_input_is_that_of_the_outputs_to_1e_9(flown: F
                 flown.setFloat64([flown.at[known]], list(at + sign * k * step * seed))
                 difference += sign * weight * _outputs(flown, names) / step
         flown.setFloat64([flown.at[known]], list(at))
-        found = _derivative(flown, names, [known], seed)
+        found = derivative(flown, names, [known], seed)
         largest = np.abs(_outputs(flown, names)) + np.abs(found)
         sizes = [len(flown.block.variables[name].elements) for name in names]
         scale = np.concatenate(
@@ -94,8 +94,8 @@ def test_the_adjoint_derivative_is_the_transpose(flown: FMU3Slave) -> None:
     names, knowns, rng = _real(flown), list(flown.values), np.random.default_rng(2)
     forward = rng.standard_normal(sum(map(len, flown.values.values())))
     backward = rng.standard_normal(len(_outputs(flown, names)))
-    one = backward @ _derivative(flown, names, knowns, forward)
-    two = _derivative(flown, names, knowns, backward, adjoint=True) @ forward
+    one = backward @ derivative(flown, names, knowns, forward)
+    two = derivative(flown, names, knowns, backward, adjoint=True) @ forward
     assert np.isclose(one, two, rtol=1e-11, atol=0.0)
 
 
@@ -107,10 +107,10 @@ def test_what_holds_between_its_own_instants_depends_on_nothing(tmp_path: Path) 
     it.setFloat64([it.at["tau_cmd_B"]], [1e-4, 2e-4, -1e-4])
     it.exitInitializationMode()
     it.doStep(0.0, 0.1)
-    assert not _derivative(it, ["dipole_cmd"], ["tau_cmd_B"], np.ones(3)).any()
+    assert not derivative(it, ["dipole_cmd"], ["tau_cmd_B"], np.ones(3)).any()
     for k in range(1, 10):
         it.doStep(0.1 * k, 0.1)
-    assert _derivative(it, ["dipole_cmd"], ["tau_cmd_B"], np.ones(3)).all()
+    assert derivative(it, ["dipole_cmd"], ["tau_cmd_B"], np.ones(3)).all()
     it.freeInstance()
 
 
@@ -123,17 +123,17 @@ def test_commands_are_linear_in_the_demand_and_of_degree_minus_one_in_the_field(
     it.setFloat64([it.at["tau_cmd_B"], it.at["b_B"], it.at["h_w"]], [*tau, *b, 0.0])
     dipole = _outputs(it, ["dipole_cmd"])
     assert np.abs(dipole).min() > 0.1
-    np.testing.assert_allclose(_derivative(it, ["dipole_cmd"], ["tau_cmd_B"], tau), dipole, rtol=1e-12)
-    np.testing.assert_allclose(_derivative(it, ["dipole_cmd"], ["b_B"], b), -dipole, rtol=1e-12)
+    np.testing.assert_allclose(derivative(it, ["dipole_cmd"], ["tau_cmd_B"], tau), dipole, rtol=1e-12)
+    np.testing.assert_allclose(derivative(it, ["dipole_cmd"], ["b_B"], b), -dipole, rtol=1e-12)
     it.exitInitializationMode()
     it.doStep(0.0, 0.1)
-    np.testing.assert_allclose(_derivative(it, ["dipole_cmd"], ["tau_cmd_B"], tau), dipole, rtol=1e-12)
+    np.testing.assert_allclose(derivative(it, ["dipole_cmd"], ["tau_cmd_B"], tau), dipole, rtol=1e-12)
     with pytest.raises(FMICallException):
-        _derivative(it, ["tau_cmd_B"], ["b_B"], b)  # an input is no unknown
+        derivative(it, ["tau_cmd_B"], ["b_B"], b)  # an input is no unknown
     with pytest.raises(FMICallException):
-        _derivative(it, ["dipole_cmd"], ["tau_residual_B"], b)  # and an output no known
+        derivative(it, ["dipole_cmd"], ["tau_residual_B"], b)  # and an output no known
     with pytest.raises(FMICallException):
-        _derivative(it, ["dipole_cmd"], ["b_B"], b[:2])
+        derivative(it, ["dipole_cmd"], ["b_B"], b[:2])
     it.freeInstance()
 
 
@@ -149,8 +149,8 @@ def test_the_description_promises_derivatives_where_there_are_some_and_nowhere_e
     known = next(v for v in it.block.of("input") if v.type == "real")
     ask = [_real(it)[0]], [known.name], np.ones(len(known.elements))
     if block in WITH:
-        _derivative(it, *ask)
+        derivative(it, *ask)
     else:
         with pytest.raises(FMICallException):
-            _derivative(it, *ask)
+            derivative(it, *ask)
     it.freeInstance()

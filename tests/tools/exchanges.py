@@ -34,8 +34,8 @@ SEEN = ("judge.attitude_error", "estimate_judge.attitude_error", "plant.h_w", "p
 """What is compared, where a scenario has it; the first is that of the table."""
 SOON = {"fault_failed_rod": 40.0, "fault_lost_magnetometer": 100.0, "fault_stuck_wheel": 110.0}
 """How long is flown, s, so that the fault is in it; 40 s of the others."""
-TOOLS = ("fmpy", "libcosim")
-"""Those that step all blocks at once, and show what the blocks gave."""
+TOOLS = {"fmpy": "parallel", "libcosim": "parallel", "ecos": "exchanged"}
+"""All step all blocks at once; the C host shows its signals as each of them does."""
 HEADER = ("scenario", "seconds", "in order - ours", "at once - ours", *(f"{tool} - at once" for tool in TOOLS))
 _LEFT_OUT = ("expect", "figures", "holds", "consistency", "record", "live")
 _TYPES = {"Real": "r", "Integer": "i", "Enumeration": "i", "Boolean": "b", "String": "s"}
@@ -154,7 +154,7 @@ def compared(scenario: Scenario, folder: Path, exchange: str = "sequential") -> 
     return dict(zip(labels, np.abs(theirs - own).T, strict=True))
 
 
-def in_tools(path: Path, duration: float, tools: Sequence[str] = TOOLS) -> list[str]:
+def in_tools(path: Path, duration: float, tools: Sequence[str] = tuple(TOOLS)) -> list[str]:
     """The row of a scenario: s, and the largest differences of the first of SEEN in rad, `refused` where it ends."""
     scenario = plain(path, duration)
     step, count = float(scenario.step), round(scenario.duration / scenario.step)
@@ -163,10 +163,11 @@ def in_tools(path: Path, duration: float, tools: Sequence[str] = TOOLS) -> list[
     own = ours.samples[1:, ours.labels.index(signal)]
     with tempfile.TemporaryDirectory() as folder:
         archive = orchestration.export_loop(scenario, Path(folder, "adcs.ssp"), numbers=True)
-        in_order, at_once = (
-            flown(archive, step, count, [signal], 1, exchange)[1:, 0] for exchange in ("sequential", "parallel")
-        )
-        found = [np.abs(in_order - own).max(), np.abs(at_once - own).max()]
+        by_host = {
+            exchange: flown(archive, step, count, [signal], 1, exchange)[1:, 0]
+            for exchange in ("sequential", "parallel", *{TOOLS[tool] for tool in tools} - {"parallel"})
+        }
+        found = [np.abs(by_host[exchange] - own).max() for exchange in ("sequential", "parallel")]
         for tool in tools:
             try:
                 theirs = by_tool(tool, archive, step, count, signal)
@@ -174,7 +175,7 @@ def in_tools(path: Path, duration: float, tools: Sequence[str] = TOOLS) -> list[
                 print(f"{path.stem}: {tool}: {error}", file=sys.stderr)
                 found.append(np.nan)
                 continue
-            found.append(np.abs(theirs - (at_once if tool in TOOLS else own)).max())
+            found.append(np.abs(theirs - by_host[TOOLS[tool]]).max())
     return [path.stem, f"{scenario.duration:g}", *("refused" if np.isnan(x) else f"{x:.2g}" for x in found)]
 
 
@@ -188,6 +189,7 @@ def drawn(rows: Sequence[Sequence[str]]) -> None:
     axes.invert_yaxis()
     axes.tick_params(axis="y", labelsize=7)
     figure.savefig(ROOT / "docs" / "figures" / "exchange.png", dpi=150)
+    plt.close(figure)
 
 
 def main(names: list[str]) -> None:

@@ -1,8 +1,9 @@
 /* A host of a page: loads the FMUs (FMI 2.0) of an unpacked SSP archive and steps them one after the other, each with
- * what the others have given up to then, or all at once (parallel). It reads a plan that tests/tools/exchanges.py makes
- * of SystemStructure.ssd, a word a line; prints are rows of doubles on standard output.
+ * what the others have given up to then, or all at once (parallel); then it shows what the blocks gave, or (exchanged) what
+ * they give with the inputs of the next step. It reads a plan that tests/tools/exchanges.py makes of
+ * SystemStructure.ssd, a word a line; prints are rows of doubles on standard output.
  *
- * ssd_host PLAN STEP COUNT INTERVAL sequential|parallel */
+ * ssd_host PLAN STEP COUNT INTERVAL sequential|parallel|exchanged */
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -134,6 +135,22 @@ static void fetch(Wire *w)
     w->value = w->factor * get(&components[w->from], w->from_type, w->source) + w->offset;
 }
 
+static void fetch_all(size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        fetch(&wires[i]);
+    }
+}
+
+/* Passes all values on, of which none is newer than another. */
+static void exchange(size_t count)
+{
+    fetch_all(count);
+    for (size_t i = 0; i < count; ++i) {
+        set(&components[wires[i].to], wires[i].to_type, wires[i].target, wires[i].value);
+    }
+}
+
 static void row(size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -167,25 +184,28 @@ int main(int arguments, char **given)
     }
     const double step = strtod(given[2], NULL);
     const long count = atol(given[3]), interval = atol(given[4]);
-    const int parallel = strcmp(given[5], "parallel") == 0;
+    const int in_order = strcmp(given[5], "sequential") == 0, exchanged = strcmp(given[5], "exchanged") == 0;
     row(columns);
+    exchange(in_order ? 0 : links);
     for (long k = 0; k < count; ++k) {
-        for (unsigned i = 0; parallel && i < links; ++i) {
-            fetch(&wires[i]);
-        }
         for (unsigned c = 0; c < parts; ++c) {
-            for (unsigned i = 0; i < links; ++i) {
+            for (unsigned i = 0; in_order && i < links; ++i) {
                 if (wires[i].to == c) {
-                    if (!parallel) {
-                        fetch(&wires[i]);
-                    }
+                    fetch(&wires[i]);
                     set(&components[c], wires[i].to_type, wires[i].target, wires[i].value);
                 }
             }
             check(components[c].step(components[c].instance, (double)k * step, step, fmi2True), "fmi2DoStep");
         }
+        if (exchanged) {
+            exchange(links);
+            fetch_all(links); /* a block at an instant of its own holds what it last gave */
+        }
         if ((k + 1) % interval == 0) {
             row(columns);
+        }
+        if (!in_order && !exchanged) {
+            exchange(links);
         }
     }
     return 0;

@@ -36,13 +36,13 @@ def test_a_plain_c_host_flies_the_exported_scenario_with_our_bits(path: Path, tm
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the host is written for Linux")
 @pytest.mark.parametrize("name", ["flight_vb", "flight_estimated"])
-def test_planned_loops_fly_in_libcosim_and_ecos_and_as_in_a_host_that_steps_all_at_once(name: str) -> None:
+def test_planned_loops_fly_in_fmpy_libcosim_and_ecos_as_in_a_host_that_steps_all_at_once(name: str) -> None:
     path = ROOT / "scenarios" / f"{name}.yaml"
-    _, seconds, in_order, at_once, fmpy, libcosim, ecos = in_tools(path, 10.0, ("fmpy", "libcosim", "ecos"))
+    _, seconds, in_order, at_once, *in_tool = in_tools(path, 10.0)
     assert (seconds, in_order) == ("10", "0")
     assert 1e-6 < float(at_once) < 0.1
-    assert max(float(fmpy), float(libcosim)) < 1e-9
-    assert 1e-6 < float(ecos) < 0.1, "from our run: its exchange is neither"
+    assert len(in_tool) == 3
+    assert max(map(float, in_tool)) < 1e-9
 
 
 def test_a_container_of_a_scenario_with_faults_has_our_bits(tmp_path: Path) -> None:
