@@ -11,6 +11,7 @@ import numpy as np
 from . import onboard
 from .banked import Banked
 from .estimate import advanced
+from .lasting import bound
 from .parameters import Parameters, check
 from .so3 import Array, norm, require_rotation
 from .state import Estimate, Given, Measured, blank
@@ -68,6 +69,7 @@ class Outputs:
     rate_bias_B: Array
     field_bias_B: Array
     attitude_sigma_B: Array
+    attitude_bound: float
     covariance: Array
     attitude_valid: bool
     attitude_doubtful: int
@@ -192,6 +194,7 @@ def _given_out(x: Estimate, p: Parameters, banked: Banked | None = None) -> Outp
         rate_bias_B=x.rate_bias,
         field_bias_B=x.field_bias,
         attitude_sigma_B=sigma,
+        attitude_bound=bound(x, doubtful != 0, p),
         covariance=x.P[:6, :6],
         attitude_valid=x.tracking and bool((sigma < p.valid_sigma).all()) and not doubtful,
         attitude_doubtful=doubtful,

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import onboard
+from . import lasting, onboard
 from .banked import Banked, Seen, by_bank
 from .filter import propagated
 from .health import ATTITUDE, FIELD, RATE, SUN, noticed
@@ -18,7 +18,7 @@ from .orbit import with_orbit
 from .parameters import Parameters
 from .rates import Torques, turn_by_dynamics, turn_by_gyro
 from .so3 import Array, exp, norm, orthonormalised
-from .state import NO_MATRIX, Estimate, Given, Measured
+from .state import NO_MATRIX, ZERO, Estimate, Given, Measured
 
 LIGHT_MIN = 0.5
 """Of the Sun that must be seen for its direction to count."""
@@ -133,4 +133,5 @@ def _spread(
 ) -> Estimate:
     if not (x.tracking and h > 0.0):
         return x
-    return replace(x, P=propagated(x.P, turn, h, sign, F, walk, angle_walk, p.field_random_walk))
+    P, transition = propagated(x.P, turn, h, sign, F, walk, angle_walk, p.field_random_walk)
+    return replace(x, P=P, S=lasting.spread(x.S, transition, x.omega_B if x.by_gyro else ZERO, p))

@@ -37,8 +37,8 @@ class Innovation:
 
 def propagated(
     P: Array, turn: Array, h: float, sign: float, F: Array, walk: Array, angle_walk: float, bias_walk: float
-) -> Array:
-    """The covariance P (9,9) after h s, in which the body turns by `turn` (3,), rad.
+) -> tuple[Array, Array]:
+    """The covariance P (9,9) after h s, in which the body turns by `turn` (3,), rad, and the transition (9,9).
 
     The rate's error grows by F (3,3), 1/s, and by noise of `walk` (3,3), rad2/s3; it turns the attitude's error with
     `sign`: -1 for a gyro's bias, +1 for a rate. `angle_walk`, rad, and `bias_walk`, T, are standard deviations of 1 s.
@@ -53,21 +53,22 @@ def propagated(
     noise[RATE, RATE] = h * walk
     noise[BIAS, BIAS] = h * bias_walk * bias_walk * np.eye(3)
     P = transition @ P @ transition.T + noise
-    return 0.5 * (P + P.T)
+    return 0.5 * (P + P.T), transition
 
 
-def corrected(P: Array, innovation: Innovation) -> tuple[Array, Array, float, Array]:
-    """Error state (9,), covariance (9,9) and normalised innovation squared of a measurement, and its components over
-    their deviations with what lasts (3,); they are taken in turn.
+def corrected(P: Array, innovation: Innovation) -> tuple[Array, Array, float, Array, Array]:
+    """Error state (9,), covariance (9,9) and normalised innovation squared of a measurement, its components over
+    their deviations with what lasts (3,), and their gains (3,9); they are taken in turn.
 
     Each in Joseph's form, in which P stays positive whatever is rounded.
     """
-    error, nis, scaled = np.zeros(9), 0.0, []
+    error, nis, scaled, gains = np.zeros(9), 0.0, [], []
     H = np.hstack((innovation.H_attitude, np.zeros((3, 3)), innovation.H_bias))
     for y, row, r in zip(innovation.y, H, innovation.r, strict=True):
         PH = P @ row
         s = float(row @ PH) + float(r)
         K = PH / s
+        gains.append(K)
         left = float(y) - float(row @ error)
         error = error + left * K
         nis += left * left / s
@@ -75,4 +76,4 @@ def corrected(P: Array, innovation: Innovation) -> tuple[Array, Array, float, Ar
         M = P - np.outer(K, PH)
         P = M - np.outer(M @ row, K) + float(r) * np.outer(K, K)
         P = 0.5 * (P + P.T)
-    return error, P, nis, np.array(scaled)
+    return error, P, nis, np.array(scaled), np.array(gains)

@@ -14,6 +14,7 @@ import numpy as np
 
 from . import health
 from .health import ATTITUDE, CALM, FIELD, RATE, SUN, averaged, weighed
+from .lasting import without_rate
 from .parameters import Parameters
 from .so3 import Array, cross, norm
 from .state import Estimate
@@ -97,7 +98,7 @@ def rate_chosen(x: Estimate, p: Parameters) -> Estimate:
         P[3:6] = 0.0
         P[:, 3:6] = 0.0
         P[3:6, 3:6] = p.rate_bias_sigma * p.rate_bias_sigma * np.eye(3)
-        return replace(x, P=P, by_gyro=True)
+        return without_rate(replace(x, P=P, by_gyro=True), 0.0)
     omega = norm(x.omega_B)
     frozen = x.watch[RATE].health == health.FROZEN
     rate = RATE_LOST + omega * omega * STALE if frozen else 10.0 * RATE_LOST + p.rate_bias_sigma
@@ -105,7 +106,7 @@ def rate_chosen(x: Estimate, p: Parameters) -> Estimate:
     P[:, 3:6] *= -1.0
     P[:3, :3] += 0.25 * rate * rate * STALE * STALE * np.eye(3)
     P[3:6, 3:6] += rate * rate * np.eye(3)
-    return replace(x, P=P, by_gyro=False)
+    return without_rate(replace(x, P=P, by_gyro=False), -1.0)
 
 
 def unknown_torque(x: Estimate, p: Parameters) -> float:

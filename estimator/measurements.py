@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import health
+from . import health, lasting
 from .filter import ATTITUDE, BIAS, RATE, Innovation, corrected
 from .health import weighed
 from .isolation import backed, restarted, start_rate_sigma
@@ -53,7 +53,8 @@ def started(
     `sigma`, T, is that of the field. What is measured now is taken once more, by the filter, so it counts little here.
     """
     off = sigma / norm(field_N)
-    R, spread = None, math.pi
+    field = p.lasting_field / norm(field_N) + p.lasting_field_scale
+    R, spread, lasts = None, math.pi, p.lasting_attitude
     sun_B = sun_B if x.watch[health.SUN].trusted else None
     b_B = b_B if x.watch[health.FIELD].trusted else None
     if new.R_NB is not None and x.watch[health.ATTITUDE].trusted:
@@ -62,11 +63,13 @@ def started(
         first, second = ((b_B, field_N), (sun_B, sun_N)) if off < p.sun_noise else ((sun_B, sun_N), (b_B, field_N))
         R = triad(first[0], second[0], first[1], second[1], START_ANGLE)
         spread = START_FACTOR * (off + p.sun_noise) / sine(field_N, sun_N)
+        lasts = (field + p.lasting_sun) / sine(field_N, sun_N)
     elif x.anchored and b_B is not None:
         R = triad(b_B, x.anchor_B, field_N, x.anchor_N, ANCHOR_ANGLE)
         spread = ANCHOR_FACTOR * (2.0 * off + p.rate_bias_sigma * x.anchor_age) / sine(field_N, x.anchor_N)
+        lasts = 2.0 * field / sine(field_N, x.anchor_N)
     if R is not None:
-        x = replace(x, P=start_covariance(spread, start_rate_sigma(x, p), p), since_start=0.0)
+        x = replace(x, P=start_covariance(spread, start_rate_sigma(x, p), p), S=lasting.begun(lasts), since_start=0.0)
         return replace(x, R=R, known=True, tracking=True, anchored=False, in_a_row=np.zeros(3))
     if b_B is not None and x.by_gyro and (not x.anchored or x.anchor_age > ANCHOR_AGE):
         return replace(x, anchored=True, anchor_B=b_B, anchor_N=field_N, anchor_age=0.0)
@@ -95,7 +98,7 @@ def _taken(x: Estimate, sensor: int, innovation: Innovation, p: Parameters) -> E
     """With a measurement, unless it is beyond the gate or its sensor is not trusted."""
     if not x.tracking:
         return x
-    error, P, value, scaled = corrected(x.P, innovation)
+    error, P, value, scaled, gains = corrected(x.P, innovation)
     this = np.arange(3) == sensor
     w, within = x.watch[SENSOR[sensor]], value <= p.gate
     before = 0.0 if w.frozen else float(x.in_a_row[sensor])
@@ -119,4 +122,5 @@ def _taken(x: Estimate, sensor: int, innovation: Innovation, p: Parameters) -> E
         rate_bias=x.rate_bias + error[RATE] if x.by_gyro else x.rate_bias,
         field_bias=x.field_bias + error[BIAS],
         P=P,
+        S=lasting.corrected(x.S, gains, innovation, lasting.lasting(sensor, innovation, p)),
     )

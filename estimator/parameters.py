@@ -43,6 +43,11 @@ class Parameters:
     attitude_noise: float
     attitude_noise_boresight: float
     boresight_B: Array
+    lasting_field: float
+    lasting_field_scale: float
+    lasting_rate_scale: float
+    lasting_sun: float
+    lasting_attitude: float
     gate: float
     bank: bool
     valid_sigma: float
@@ -86,7 +91,8 @@ _POSITIVE = (
 ).split()
 _NOT_NEGATIVE = (
     "angle_random_walk rate_random_walk rate_bias_sigma rate_scale_sigma momentum_random_walk field_bias_sigma "
-    "field_random_walk rod_field_error dipole_limit valid_sigma orbit_time albedo"
+    "field_random_walk rod_field_error dipole_limit valid_sigma orbit_time albedo "
+    "lasting_field lasting_field_scale lasting_rate_scale lasting_sun lasting_attitude"
 ).split()
 
 

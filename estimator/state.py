@@ -12,7 +12,7 @@ from .health import BLANK, CALM, SENSORS, Watch
 from .parameters import Parameters
 from .so3 import Array
 
-ZERO, NO_MATRIX = np.zeros(3), np.zeros((3, 3))
+ZERO, NO_MATRIX, NO_LASTING = np.zeros(3), np.zeros((3, 3)), np.zeros((9, 24))
 
 
 class Measured(NamedTuple):
@@ -54,6 +54,8 @@ class Estimate:
     rate_bias: Array
     field_bias: Array
     P: Array
+    S: Array
+    """(9, 24): what each error that lasts makes of the error, beside P."""
     since_rate: float
     """s since the gyro's last measurement."""
     r_N: Array
@@ -129,6 +131,7 @@ def blank(omega_B: Array, p: Parameters) -> Estimate:
         rate_bias=ZERO,
         field_bias=ZERO,
         P=start_covariance(math.pi, p.rate_bias_sigma, p),
+        S=NO_LASTING,
         since_rate=0.0,
         r_N=ZERO,
         v_N=ZERO,
@@ -164,6 +167,7 @@ def _packed(x: Estimate | Watch) -> Array:
     return np.concatenate(parts)
 
 
+_MATRICES: dict[str, tuple[int, ...]] = {"P": (9, 9), "R": (3, 3), "S": (9, 24)}
 _Kept = TypeVar("_Kept", Estimate, Watch)
 
 
@@ -173,7 +177,7 @@ def _unpacked(cls: type[_Kept], values: Array, at: list[int]) -> _Kept:
         if f.name == "watch":
             parts[f.name] = tuple(_unpacked(Watch, values, at) for _ in SENSORS)
             continue
-        shape = (9, 9) if f.name == "P" else (3, 3) if f.name == "R" else (3,) if f.type == "Array" else ()
+        shape = _MATRICES.get(f.name, (3,) if f.type == "Array" else ())
         part = values[at[0] : at[0] + math.prod(shape)].reshape(shape)
         parts[f.name] = part if shape else bool(part) if f.type == "bool" else float(part)
         at[0] += math.prod(shape)

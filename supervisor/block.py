@@ -67,6 +67,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         Omega_ahead=x.Omega_ahead,
         mode=x.mode,
         destination=x.destination,
+        safe_reason=x.safe_reason,
         slew_remaining=max(x.slew_start + x.slew_duration - x.t, 0.0) if x.mode == SLEW else 0.0,
         target_elevation=_target_elevation(x, u, p),
     )
@@ -84,7 +85,7 @@ def _check_inputs(u: Inputs) -> None:
     for name in ("R_NB", "omega_B", "r_N", "v_N", "R_goal", "sun_N", "b_B", "sun_B"):
         if not np.isfinite(value := getattr(u, name)).all():
             raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
-    for name in ("target_latitude", "target_longitude", "target_height", "sunlight"):
+    for name in ("target_latitude", "target_longitude", "target_height", "sunlight", "attitude_bound"):
         if not math.isfinite(value := getattr(u, name)):
             raise ValueError(f"{name}: expected a finite number, found {value!r}")
     for name, (low, high) in LIMITS.items():

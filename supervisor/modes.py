@@ -13,13 +13,17 @@ from . import safe, slew
 from .ports import (
     ACQUIRE,
     ATTITUDE_TOLERANCE,
+    BY_COMMAND,
     FIRST,
     INERTIAL,
     NADIR,
+    NO_ATTITUDE,
+    NOT_SAFE,
     SAFE,
     SLEW,
     SUN,
     TARGET,
+    TOO_FAST,
     Inputs,
     Parameters,
     State,
@@ -37,7 +41,8 @@ BORESIGHT_B = np.array((0.0, 0.0, 1.0))
 
 def advance(x: State, u: Inputs, p: Parameters, h: float) -> State:
     """The state at x.t + h."""
-    known = u.attitude_valid and bool(u.R_NB.any())
+    bounded = not connected(u.attitude_bound) or u.attitude_bound <= p.bound_lost
+    known = u.attitude_valid and bounded and bool(u.R_NB.any())
     rate = norm(u.omega_B)
     x = replace(
         x,
@@ -47,14 +52,17 @@ def advance(x: State, u: Inputs, p: Parameters, h: float) -> State:
         blind=0.0 if known else x.blind + h,
     )
     wanted = _wanted(u, p)
-    if wanted == SAFE or (x.mode != SAFE and _is_lost(x, rate, known, p)):
+    spins = rate > p.rate_lost and x.fast >= p.rate_time
+    if wanted == SAFE or (x.mode != SAFE and (spins or (not known and x.blind >= p.attitude_time))):
+        reason = BY_COMMAND if wanted == SAFE else TOO_FAST if spins else NO_ATTITUDE
         kept = {n: getattr(x, n) for n in ("field_direction", "field_rate", "towards")} if x.mode == SAFE else {}
-        return safe.pointed(State(x.t, calm=x.calm, fast=x.fast, blind=x.blind, **kept), u, p, h)
+        x = State(x.t, safe_reason=reason, calm=x.calm, fast=x.fast, blind=x.blind, **kept)
+        return safe.pointed(x, u, p, h)
     aim = _aim(wanted, u)
     if x.mode == SAFE:
         if not (x.calm >= p.rate_time and rate < p.rate_acquire and known):
             return safe.pointed(x, u, p, h)
-        x = State(x.t, ACQUIRE, wanted, aim, u.R_NB, x.calm, x.fast, x.blind)
+        x = State(x.t, ACQUIRE, wanted, NOT_SAFE, aim, u.R_NB, x.calm, x.fast, x.blind)
     elif wanted != x.destination or not np.array_equal(aim, x.aim):
         x = _turned_to(x, wanted, aim, u, p)
     if x.mode == SLEW and x.t >= x.slew_start + x.slew_duration:
@@ -67,10 +75,6 @@ def _wanted(u: Inputs, p: Parameters) -> int:
     """The mode that is asked for: by the command, else the first one; in eclipse nothing is to be had from the Sun."""
     wanted = u.command if u.command > 0 else FIRST[p.first_mode]
     return NADIR if wanted == SUN and connected(u.sunlight) and u.sunlight < SUNLIT else wanted
-
-
-def _is_lost(x: State, rate: float, known: bool, p: Parameters) -> bool:
-    return (not known and x.blind >= p.attitude_time) or (rate > p.rate_lost and x.fast >= p.rate_time)
 
 
 def _turned_to(x: State, wanted: int, aim: Array, u: Inputs, p: Parameters) -> State:

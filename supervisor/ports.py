@@ -14,6 +14,8 @@ from .so3 import Array
 
 SAFE, ACQUIRE, NADIR, INERTIAL, SLEW, TARGET, SUN = range(1, 8)
 """The modes, as `mode`, `destination` and `command` count them."""
+NOT_SAFE, SINCE_START, BY_COMMAND, TOO_FAST, NO_ATTITUDE = range(5)
+"""Why it is in the mode safe, as `safe_reason` says it."""
 FIRST = {"nadir": NADIR, "inertial": INERTIAL, "target": TARGET, "sun": SUN}
 SAFE_POINTING = ("none", "field", "sun")
 AHEAD = 16
@@ -47,6 +49,7 @@ class Parameters:
     angle_lost: float
     angle_time: float
     attitude_time: float
+    bound_lost: float
     target_yaw: str
     target_yaw_angle: float
     sun_axis_B: Array
@@ -68,6 +71,7 @@ class Inputs:
     r_N: Array
     v_N: Array
     attitude_valid: bool
+    attitude_bound: float
     command: int
     R_goal: Array
     target_latitude: float
@@ -87,6 +91,7 @@ class State:
     mode: int = SAFE
     destination: int = SAFE
     """The mode that acquisition or slew leads to; the mode itself otherwise."""
+    safe_reason: int = SINCE_START
     aim: Array = field(default_factory=lambda: np.zeros(9))
     """The target of the destination: R_goal, row by row, or latitude, longitude and height; zeros for the others."""
     kept: Array = field(default_factory=lambda: np.eye(3))
@@ -131,6 +136,7 @@ class Outputs:
     Omega_ahead: Array
     mode: int
     destination: int
+    safe_reason: int
     slew_remaining: float
     target_elevation: float
 
@@ -150,7 +156,7 @@ def check(p: Parameters) -> None:
     """Raises ValueError with name, value and what is expected."""
     for name in ("slew_rate_max", "slew_torque_max", "rate_acquire", "rate_lost", "settled_angle", "settled_rate"):
         _positive(name, getattr(p, name))
-    for name in ("angle_lost", "gravitational_parameter", "safe_time"):
+    for name in ("angle_lost", "gravitational_parameter", "safe_time", "bound_lost"):
         _positive(name, getattr(p, name))
     for name in ("rate_time", "settled_time", "angle_time", "attitude_time", "ahead_horizon"):
         if not 0.0 <= (value := getattr(p, name)) < math.inf:

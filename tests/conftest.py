@@ -52,6 +52,7 @@ MARKERS = {
         "plant/sensors/test_loop.py",
         "plant/test_gravity_gradient.py",
         "plant/test_invariants.py",
+        "supervisor/test_flight.py",
         "evidence",
     ),
     "thorough": (

@@ -153,14 +153,14 @@ double estimator_bank_correct(const Innovation *innovation, double gate, BankFil
     S.c.z += innovation->r.z;
     const double unit = innovation->r.x, ratio = dot(S.a, cross(S.b, S.c)) / (unit * unit * unit);
     Covariance corrected = filter->P;
-    double error[ERROR_STATES], scaled[3];
-    const double nis = estimator_correct(innovation, &corrected, error, scaled);
+    Correction given;
+    const double nis = estimator_correct(innovation, &corrected, &given);
     filter->score -= 0.5 * (smaller(nis, gate) + log(ratio));
     if (nis <= gate) {
         filter->P = corrected;
-        filter->R = multiply(filter->R, rotation_exp(vector(error)));
-        filter->bias = add(filter->bias, vector(error + 3));
-        filter->scale = add(filter->scale, vector(error + 6));
+        filter->R = multiply(filter->R, rotation_exp(vector(given.error)));
+        filter->bias = add(filter->bias, vector(given.error + 3));
+        filter->scale = add(filter->scale, vector(given.error + 6));
     }
     return nis;
 }

@@ -27,15 +27,6 @@ void estimator_blank(const EstimatorLaw *law, const EstimatorInputs *u, Estimate
     estimator_covariance_at_start(PI, law->p.rate_bias_sigma, law->p.field_bias_sigma, &x->P);
 }
 
-static void spread(const EstimatorLaw *law, Vector turn, double sign, Matrix F, Matrix walk, double angle_walk,
-                   double h, Estimate *x)
-{
-    const double bias = law->p.field_random_walk;
-    if (x->tracking && h > 0.0) {
-        estimator_propagate(turn, h, sign, F, &(Walks){angle_walk * angle_walk, bias * bias, walk}, &x->P);
-    }
-}
-
 static void forward_by_gyro(const EstimatorLaw *law, const EstimatorInputs *u, bool fresh, double h, Estimate *x)
 {
     const double square = law->p.rate_random_walk * law->p.rate_random_walk;
@@ -49,7 +40,8 @@ static void forward_by_gyro(const EstimatorLaw *law, const EstimatorInputs *u, b
     x->anchor_age += h;
     x->rate = now;
     x->since_rate = fresh ? 0.0 : x->since_rate;
-    spread(law, turn, -1.0, ZERO, walk, law->p.angle_random_walk, h, x);
+    const double angle = law->p.angle_random_walk;
+    estimator_spread(law, turn, -1.0, ZERO, walk, angle * angle, h, x);
 }
 
 static void forward_by_dynamics(const EstimatorLaw *law, const Given *given, Vector field_N, double h, Estimate *x)
@@ -84,7 +76,7 @@ static void forward_by_dynamics(const EstimatorLaw *law, const Given *given, Vec
     const Matrix growth = estimator_rate_growth(&torques, omega, before);
     const Vector turn = estimator_turn_by_dynamics(&torques, before, h, &x->R, &omega);
     x->rate = add(omega, x->rate_bias);
-    spread(law, turn, 1.0, growth, walk, 0.0, h, x);
+    estimator_spread(law, turn, 1.0, growth, walk, 0.0, h, x);
 }
 
 static Directions directions(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Given *given,

@@ -76,6 +76,7 @@ static void put_out(const EstimatorLaw *law, const Estimate *x, const Bank *bank
         y->ambiguity = bank->ambiguity;
         store(bank->scale, y->rate_scale_B);
     }
+    y->attitude_bound = estimator_bound(law, x, y->attitude_doubtful != 0);
     for (int i = 0; i < 6; ++i) {
         memcpy(y->covariance[i], x->P.m[i], sizeof y->covariance[i]);
     }

@@ -39,7 +39,7 @@ static void set_block(Matrix M, int i, int j, Covariance *P)
     store(M.c, &P->m[i + 2][j]);
 }
 
-void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Walks *walks, Covariance *P)
+Transition estimator_propagate(Vector turn, double h, double sign, Matrix F, const Walks *walks, Covariance *P)
 {
     const Matrix growth = add_scaled(ZERO, h, F), skew = hat(turn);
     const Matrix jacobian = add_scaled(add_scaled(identity, -0.5, skew), 1.0 / 6.0, multiply(skew, skew));
@@ -69,13 +69,14 @@ void estimator_propagate(Vector turn, double h, double sign, Matrix F, const Wal
     set_block(add_scaled(block(P, ERROR_RATE, ERROR_RATE), h, walks->rate), ERROR_RATE, ERROR_RATE, P);
     set_block(add_scaled(block(P, ERROR_BIAS, ERROR_BIAS), h * walks->bias, identity), ERROR_BIAS, ERROR_BIAS, P);
     symmetrise(P);
+    return (Transition){A, B, C};
 }
 
-/* One component: y = row . error + noise of variance r. Gives y and s, and returns y^2/s. */
+/* One component: y = row . error + noise of variance r. Gives K, y and s, and returns y^2/s. */
 static double correct_by(double y, const double row[ERROR_STATES], double r, Covariance *P, double error[ERROR_STATES],
-                         double *residual, double *variance)
+                         double K[ERROR_STATES], double *residual, double *variance)
 {
-    double PH[ERROR_STATES], K[ERROR_STATES], s = r, left = y;
+    double PH[ERROR_STATES], s = r, left = y;
     for (int i = 0; i < ERROR_STATES; ++i) {
         PH[i] = 0.0;
         for (int j = 0; j < ERROR_STATES; ++j) {
@@ -104,19 +105,19 @@ static double correct_by(double y, const double row[ERROR_STATES], double r, Cov
     return left * left / s;
 }
 
-double estimator_correct(const Innovation *innovation, Covariance *P, double error[ERROR_STATES], double scaled[3])
+double estimator_correct(const Innovation *innovation, Covariance *P, Correction *given)
 {
     double y[3], r[3], H[3][3], nis = 0.0;
     store(innovation->y, y);
     store(innovation->r, r);
     store_matrix(innovation->H_attitude, H);
-    memset(error, 0, ERROR_STATES * sizeof *error);
+    memset(given->error, 0, sizeof given->error);
     for (int i = 0; i < 3; ++i) {
         double row[ERROR_STATES] = {H[i][0], H[i][1], H[i][2]};
         row[ERROR_BIAS + i] = innovation->biased ? 1.0 : 0.0;
         double residual, variance;
-        nis += correct_by(y[i], row, r[i], P, error, &residual, &variance);
-        scaled[i] = residual / sqrt(variance + innovation->lasting * innovation->lasting);
+        nis += correct_by(y[i], row, r[i], P, given->error, given->gains[i], &residual, &variance);
+        given->scaled[i] = residual / sqrt(variance + innovation->lasting * innovation->lasting);
     }
     return nis;
 }

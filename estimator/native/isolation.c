@@ -96,6 +96,7 @@ void estimator_choose_rate(const EstimatorLaw *law, Estimate *x)
             x->P.m[ERROR_ATTITUDE + j][ERROR_ATTITUDE + j] += 0.25 * rate * rate * STALE * STALE;
             x->P.m[ERROR_RATE + j][ERROR_RATE + j] += rate * rate;
         }
+        estimator_lasting_rate(-1.0, x);
     } else if (!x->by_gyro && by_gyro) {
         const double spread = law->p.rate_bias_sigma;
         for (int i = 0; i < ERROR_STATES; ++i) {
@@ -106,6 +107,7 @@ void estimator_choose_rate(const EstimatorLaw *law, Estimate *x)
         for (int j = 0; j < 3; ++j) {
             x->P.m[ERROR_RATE + j][ERROR_RATE + j] = spread * spread;
         }
+        estimator_lasting_rate(0.0, x);
     }
     x->by_gyro = by_gyro;
 }

@@ -44,7 +44,8 @@ void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *
     const bool has_tracker = seen->has_tracker && estimator_trusted(&x->watch[SENSOR_ATTITUDE]);
     const bool has_field = seen->has_field && estimator_trusted(&x->watch[SENSOR_FIELD]);
     const bool has_sun = seen->has_sun && estimator_trusted(&x->watch[SENSOR_SUN]);
-    double deviation = 0.0;
+    const double field = p->lasting_field / norm(seen->field_N) + p->lasting_field_scale;
+    double deviation = 0.0, lasting = p->lasting_attitude;
     bool begun = false;
     if (has_tracker) {
         x->R = seen->R_NB;
@@ -54,13 +55,16 @@ void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *
         begun = off < p->sun_noise ? triad(seen->b_B, seen->sun_B, seen->field_N, seen->sun_N, START_SINE, &x->R)
                                    : triad(seen->sun_B, seen->b_B, seen->sun_N, seen->field_N, START_SINE, &x->R);
         deviation = START_FACTOR * (off + p->sun_noise) / sine(seen->field_N, seen->sun_N);
+        lasting = (field + p->lasting_sun) / sine(seen->field_N, seen->sun_N);
     } else if (x->anchored && has_field) {
         begun = triad(seen->b_B, x->anchor_B, seen->field_N, x->anchor_N, ANCHOR_SINE, &x->R);
         deviation = ANCHOR_FACTOR * (2.0 * off + p->rate_bias_sigma * x->anchor_age) / sine(seen->field_N, x->anchor_N);
+        lasting = 2.0 * field / sine(seen->field_N, x->anchor_N);
     }
     if (begun) {
         const bool lost = p->rate_source == ESTIMATOR_RATE_SOURCE_GYRO && !x->by_gyro;
         estimator_covariance_at_start(deviation, lost ? RATE_UNKNOWN : p->rate_bias_sigma, p->field_bias_sigma, &x->P);
+        estimator_lasting_begin(lasting, x);
         x->known = x->tracking = true;
         x->anchored = false;
         x->since_start = 0.0;
@@ -77,15 +81,15 @@ void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *
 static void take(const EstimatorLaw *law, int sensor, const Innovation *innovation, Estimate *x)
 {
     Covariance P = x->P;
-    double error[ERROR_STATES], scaled[3];
+    Correction given;
     Watch *w = &x->watch[estimator_sensor_of[sensor]];
-    x->nis[sensor] = estimator_correct(innovation, &P, error, scaled);
+    x->nis[sensor] = estimator_correct(innovation, &P, &given);
     const bool within = x->nis[sensor] <= law->p.gate;
     x->rejected[sensor] += !within && x->rejected[sensor] < INT32_MAX ? 1 : 0;
     x->in_a_row[sensor] = w->frozen ? 0 : x->in_a_row[sensor];
     x->in_a_row[sensor] += within ? (x->in_a_row[sensor] > 0 ? -1 : 0) : (x->in_a_row[sensor] < IN_A_ROW ? 1 : 0);
     const bool backed = estimator_is_backed(sensor, x);
-    const bool wrong = estimator_weigh(scaled, w->since, within && (backed || sensor != GATED_FIELD), w);
+    const bool wrong = estimator_weigh(given.scaled, w->since, within && (backed || sensor != GATED_FIELD), w);
     if ((wrong || x->in_a_row[sensor] == IN_A_ROW) && !w->frozen && !estimator_repeats(w)) {
         if (backed) {
             estimator_restart(x);
@@ -97,10 +101,11 @@ static void take(const EstimatorLaw *law, int sensor, const Innovation *innovati
         return;
     }
     x->P = P;
-    x->R = multiply(x->R, rotation_exp(vector(error + ERROR_ATTITUDE)));
-    x->field_bias = add(x->field_bias, vector(error + ERROR_BIAS));
+    x->R = multiply(x->R, rotation_exp(vector(given.error + ERROR_ATTITUDE)));
+    x->field_bias = add(x->field_bias, vector(given.error + ERROR_BIAS));
     Vector *rate = x->by_gyro ? &x->rate_bias : &x->rate;
-    *rate = add(*rate, vector(error + ERROR_RATE));
+    *rate = add(*rate, vector(given.error + ERROR_RATE));
+    estimator_lasting_take(law, sensor, innovation, given.gains, x);
 }
 
 static Vector equal(double value)

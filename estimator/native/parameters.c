@@ -67,6 +67,11 @@ bool estimator_check(const EstimatorParameters *p, Fault *f)
         {"valid_sigma", p->valid_sigma},
         {"orbit_time", p->orbit_time},
         {"albedo", p->albedo},
+        {"lasting_field", p->lasting_field},
+        {"lasting_field_scale", p->lasting_field_scale},
+        {"lasting_rate_scale", p->lasting_rate_scale},
+        {"lasting_sun", p->lasting_sun},
+        {"lasting_attitude", p->lasting_attitude},
     };
     return all_positive(positive, COUNT(positive), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
            check_choices(p, f) && check_vectors(p, f) &&

@@ -39,6 +39,7 @@ typedef struct {
     Vector rate; /* of the gyro as measured, or, without one, the estimated rate */
     Vector rate_bias, field_bias;
     Covariance P;
+    Sensitivity S;     /* what errors that last make of the estimate, beside P */
     double since_rate; /* s since the gyro's last measurement */
     Vector r_N, v_N;
     double since_orbit; /* s since the last measured orbit */
@@ -112,6 +113,20 @@ void estimator_weigh_gyro(const EstimatorLaw *law, Vector measured, Estimate *x)
 
 /* Goes on by the equations of motion where the gyro is not to be trusted, and by the gyro where it is again. */
 void estimator_choose_rate(const EstimatorLaw *law, Estimate *x);
+
+/* The covariance, and what errors that last make of the estimate, h s later: estimator_propagate. */
+void estimator_spread(const EstimatorLaw *law, Vector turn, double sign, Matrix F, Matrix walk, double angle_variance,
+                      double h, Estimate *x);
+
+/* Errors that last: of a first attitude that they turn by `off` rad about each axis, after a measurement that was
+ * used, and where the gyro is left out or used again. */
+void estimator_lasting_begin(double off, Estimate *x);
+void estimator_lasting_take(const EstimatorLaw *law, int gated, const Innovation *innovation,
+                            const double gains[3][ERROR_STATES], Estimate *x);
+void estimator_lasting_rate(double sign, Estimate *x);
+
+/* rad: the attitude's error is below it with 99%. */
+double estimator_bound(const EstimatorLaw *law, const Estimate *x, bool doubtful);
 
 /* The first attitude, where there is one: of the star tracker, or by TRIAD (Black, 1964) of Sun and field, or of the
  * field and an earlier one. What is measured now is taken once more, by the filter, so it counts little here. */

@@ -154,7 +154,8 @@ static bool judge(const SupervisorLaw *law, const SupervisorInputs *u, double h,
 bool supervisor_advance(const SupervisorLaw *law, const SupervisorInputs *u, double h, SupervisorState *x, Fault *f)
 {
     const SupervisorParameters *p = &law->p;
-    const bool known = u->attitude_valid && !is_zero_matrix(matrix(u->R_NB));
+    const bool bounded = !supervisor_has_attitude_bound(u) || u->attitude_bound <= p->bound_lost;
+    const bool known = u->attitude_valid && bounded && !is_zero_matrix(matrix(u->R_NB));
     const double rate = norm(vector(u->omega_B));
     const bool calm = rate<p->rate_acquire, fast = rate> p->rate_lost;
     const int32_t wanted = mode_wanted(p, u);
@@ -164,7 +165,8 @@ bool supervisor_advance(const SupervisorLaw *law, const SupervisorInputs *u, dou
     x->calm = calm ? x->calm + h : 0.0;
     x->fast = fast ? x->fast + h : 0.0;
     x->blind = known ? 0.0 : x->blind + h;
-    const bool lost = (!known && x->blind >= p->attitude_time) || (fast && x->fast >= p->rate_time);
+    const bool spins = fast && x->fast >= p->rate_time;
+    const bool lost = (!known && x->blind >= p->attitude_time) || spins;
     if (wanted == SUPERVISOR_SAFE || (x->mode != SUPERVISOR_SAFE && lost)) {
         const SupervisorState was = *x;
         memset(x, 0, sizeof *x);
@@ -173,6 +175,9 @@ bool supervisor_advance(const SupervisorLaw *law, const SupervisorInputs *u, dou
         x->fast = was.fast;
         x->blind = was.blind;
         x->mode = x->destination = SUPERVISOR_SAFE;
+        x->safe_reason = wanted == SUPERVISOR_SAFE ? SUPERVISOR_BY_COMMAND
+                         : spins                   ? SUPERVISOR_TOO_FAST
+                                                   : SUPERVISOR_NO_ATTITUDE;
         if (was.mode == SUPERVISOR_SAFE) {
             x->field_direction = was.field_direction;
             x->field_rate = was.field_rate;
@@ -189,6 +194,7 @@ bool supervisor_advance(const SupervisorLaw *law, const SupervisorInputs *u, dou
         }
         x->field_direction = x->field_rate = x->towards = STILL;
         x->mode = SUPERVISOR_ACQUIRE;
+        x->safe_reason = SUPERVISOR_NOT_SAFE;
         x->destination = wanted;
         memcpy(x->aim, aim, sizeof aim);
         x->kept = matrix(u->R_NB);

@@ -17,7 +17,7 @@ bool supervisor_check(const SupervisorParameters *p, Fault *f)
         {"rate_acquire", p->rate_acquire},   {"rate_lost", p->rate_lost},
         {"settled_angle", p->settled_angle}, {"settled_rate", p->settled_rate},
         {"angle_lost", p->angle_lost},       {"gravitational_parameter", p->gravitational_parameter},
-        {"safe_time", p->safe_time},
+        {"safe_time", p->safe_time},         {"bound_lost", p->bound_lost},
     };
     const Named not_negative[] = {{"rate_time", p->rate_time},
                                   {"settled_time", p->settled_time},
@@ -71,7 +71,8 @@ static bool inputs_fit(const SupervisorInputs *u, Fault *f)
     const Named numbers[] = {{"target_latitude", u->target_latitude},
                              {"target_longitude", u->target_longitude},
                              {"target_height", u->target_height},
-                             {"sunlight", u->sunlight}};
+                             {"sunlight", u->sunlight},
+                             {"attitude_bound", u->attitude_bound}};
     if (!all_finite_vectors(vectors, COUNT(vectors), f) || !all_finite(numbers, COUNT(numbers), f)) {
         return false;
     }
@@ -107,6 +108,7 @@ bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, cons
     }
     y->mode = x->mode;
     y->destination = x->destination;
+    y->safe_reason = x->safe_reason;
     y->slew_remaining = x->mode == SUPERVISOR_SLEW ? larger(x->slew_start + x->slew.duration - x->t, 0.0) : 0.0;
     y->target_elevation = -HALF_PI;
     if (supervisor_has_target_latitude(u) && supervisor_has_target_longitude(u) && supervisor_has_target_height(u)) {
@@ -121,6 +123,7 @@ bool supervisor_start(const SupervisorLaw *law, const SupervisorInputs *u, Super
 {
     memset(x, 0, sizeof *x);
     x->mode = x->destination = SUPERVISOR_SAFE;
+    x->safe_reason = SUPERVISOR_SINCE_START;
     return inputs_fit(u, f) && supervisor_advance(law, u, 0.0, x, f) && supervisor_look_ahead(law, u, x, f);
 }
 

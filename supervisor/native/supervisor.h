@@ -21,6 +21,15 @@ enum {
     SUPERVISOR_SUN = 7
 };
 
+/* Why it is in the mode safe, as `safe_reason` says it. */
+enum {
+    SUPERVISOR_NOT_SAFE = 0,
+    SUPERVISOR_SINCE_START = 1,
+    SUPERVISOR_BY_COMMAND = 2,
+    SUPERVISOR_TOO_FAST = 3,
+    SUPERVISOR_NO_ATTITUDE = 4
+};
+
 enum { SUPERVISOR_AHEAD = 16 }; /* times at which the reference to come is given */
 
 /* The reference to come: times, s, ascending; attitudes, each by its rotation vector, N from desired body; rates. */
@@ -34,10 +43,11 @@ typedef struct {
     double t; /* s */
     int32_t mode;
     int32_t destination; /* the mode that acquisition or slew leads to; else the mode itself */
-    double aim[9];       /* R_goal, row by row, or latitude, longitude and height; zeros for the other modes */
-    Matrix kept;         /* the attitude of a destination whose turn about its axis is free, at t */
-    double calm, fast;   /* s for which the rate has been below rate_acquire, and above rate_lost */
-    double blind;        /* s without an attitude */
+    int32_t safe_reason;
+    double aim[9];     /* R_goal, row by row, or latitude, longitude and height; zeros for the other modes */
+    Matrix kept;       /* the attitude of a destination whose turn about its axis is free, at t */
+    double calm, fast; /* s for which the rate has been below rate_acquire, and above rate_lost */
+    double blind;      /* s without an attitude */
     double settled,
         off; /* s for which the errors have been small in acquisition, and the attitude's too large elsewhere */
     double slew_start; /* s */

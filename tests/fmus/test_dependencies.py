@@ -204,6 +204,7 @@ UNSEEN = {
             "sunlight": ("r_N", "v_N"),
             "covariance": ("b_B",),
             "attitude_sigma_B": ("b_B",),
+            "attitude_bound": ("b_B",),
             "nis": ("b_B", "r_N", "v_N", "sun_B"),
             "health": ("omega_B", "b_B", "r_N", "v_N", "R_NB", "sun_B"),
         }.items()

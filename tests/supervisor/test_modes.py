@@ -80,6 +80,32 @@ def test_without_attitude_it_stays_safe_goes_on_for_a_time_and_then_is_safe_agai
     assert flight.fly(1, **unknown) == SAFE
 
 
+@pytest.mark.parametrize("bound_lost", [0.5, np.pi])
+def test_an_attitude_whose_bound_is_too_large_is_not_known_and_comes_back_by_itself(bound_lost: float) -> None:
+    flight = Flight(bound_lost=bound_lost).pointing()
+    assert flight.fly(6, attitude_bound=0.49) == NADIR
+    assert flight.fly(5, attitude_bound=0.51) == NADIR
+    assert flight.fly(1, attitude_bound=0.51) == (SAFE if bound_lost == 0.5 else NADIR)
+    assert flight.y.safe_reason == (4 if bound_lost == 0.5 else 0)
+    assert flight.until(NADIR) < 20
+    assert flight.y.safe_reason == 0
+
+
+def test_it_says_why_it_is_safe() -> None:
+    flight = Flight()
+    assert flight.y.safe_reason == 1
+    flight.pointing()
+    assert flight.y.safe_reason == 0
+    flight.fly(1, command=SAFE)
+    assert flight.y.safe_reason == 2
+    flight.pointing()
+    flight.until(SAFE, omega_B=np.array([0.06, 0.0, 0.0]), on=False, R_NB=flight.y.R_ref)
+    assert flight.y.safe_reason == 3
+    flight.pointing()
+    flight.until(SAFE, attitude_valid=False)
+    assert flight.y.safe_reason == 4
+
+
 def test_a_rate_too_large_for_a_time_is_safe_mode_and_a_short_one_is_not() -> None:
     flight = Flight().pointing()
     fast = {"omega_B": np.array([0.06, 0.0, 0.0]), "on": False, "R_NB": flight.y.R_ref}
