@@ -131,6 +131,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "turn_ahead": np.outer(np.linspace(0.1, 1.0, 16), [0.3, -0.2, 0.1]),
         "Omega_ahead": np.full((16, 3), 1e-3),
         "attitude_valid": True,
+        "attitude_bound": 0.1,
         "command": (0, 3, 4, 6, 7)[kind % 5],
         "R_goal": Rotation.random(random_state=rng).as_matrix(),
         "target_latitude": rng.uniform(-1.0, 1.0),
