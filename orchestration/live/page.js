@@ -1,6 +1,6 @@
 // The controls of a live page: what they stand at goes to the worker, what it has flown to plots, view and verdicts.
 (() => {
-  const { live } = JSON.parse(document.getElementById("data").textContent);
+  const { live } = timeline.page;
   const { numerator, denominator, expect } = live.given;
   const at = (id) => document.getElementById(id);
   const all = (name) => [...document.querySelectorAll(`[data-${name}]`)];
@@ -101,7 +101,7 @@
     at("verdict").textContent = text;
     at("verdict").className = `badge ${kind}`;
   }
-  let first = { wasm: Uint8Array.from(atob(live.wasm), (c) => c.charCodeAt(0)), given: live.given };
+  let first = { wasm: live.wasm, given: live.given };
   function fly() {
     wanted = busy;
     if (busy) return;

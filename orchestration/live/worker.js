@@ -186,7 +186,9 @@ onmessage = async ({ data }) => {
   try {
     if (data.wasm) {
       given = data.given;
-      ready = WebAssembly.instantiate(data.wasm);
+      const packed = atob(data.wasm), bytes = new Uint8Array(packed.length); // here, so that the page moves meanwhile
+      for (let i = 0; i < bytes.length; i++) bytes[i] = packed.charCodeAt(i);
+      ready = WebAssembly.instantiate(bytes);
     }
     wasm ||= (await ready).instance.exports;
     if (data.number === latest) await fly(data);

@@ -1,49 +1,57 @@
 "use strict";
 // The Earth as it is seen from the orbit or from afar, with the orbit, the track below it, field lines, Sun and stations.
 // 1 is the radius of a spherical Earth; `turned` are the axes that a point is given in, of the frame that is looked at.
-const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, label, light, painted, rgb }) => {
+const globe = (gl, { data, coastlines, slow }, flown, { look, add, group, geometry, label, light, painted, rgb }) => {
   const { Geometry, Mesh, Program, Quat, Sphere, Texture, Transform, Vec3 } = ogl;
-  const { cross, size, unit } = motion;
+  const { cross, size, toward, unit } = motion;
   const EARTH = 6378137, SPIN = 7.2921158553e-5; // m, rad/s
   const POLE = [80.7, -72.7]; // of the geomagnetic dipole of 2020, deg north and east (IGRF-13)
   const rad = Math.PI / 180, at = ([north, east], r = 1) => [Math.cos(north * rad) * Math.cos(east * rad), Math.cos(north * rad) * Math.sin(east * rad), Math.sin(north * rad)].map((v) => r * v);
   const eye = { value: new Vec3() }, now = { value: 0 };
 
-  // One quad: each of its points looks along a ray, so the limb is round at any distance.
+  // Disc and ring in the plane of the limb, so it is round at any distance; each point of the disc is a ray to the ground.
+  // Where a processor draws, inverse functions are dear: the map's height is the sine of the latitude, `east` a polynomial
+  // (Abramowitz and Stegun 4.4.48, within 0.001 deg).
   const map = new Texture(gl, { generateMipmaps: false, minFilter: gl.LINEAR, wrapS: gl.REPEAT });
-  const AIR = `vec3 air(float d) { return mix(air0, vec3(1.0), 0.25 * d); }`;
-  const sphere = new Program(gl, { depthTest: false, depthWrite: false, transparent: true,
-    uniforms: { map: { value: map }, eye, light, lit: { value: flown.sun ? 1 : 0 }, look: { value: new Float32Array(9) }, turn: { value: new Float32Array(9) }, extent: { value: [1, 1] }, air0: { value: [0, 0, 0] }, night: { value: 0.2 } },
-    vertex: `attribute vec3 position; varying vec2 p; void main() { p = position.xy; gl_Position = vec4(position.xy, 0.0, 1.0); }`,
-    fragment: `precision highp float; uniform sampler2D map; uniform vec3 eye, light, air0; uniform mat3 look, turn; uniform vec2 extent; uniform float lit, night; varying vec2 p;
-      ${AIR}
+  const air0 = { value: [0, 0, 0] }, fixed = { value: new Float32Array(9) }, night = { value: 0.2 }, outer = { value: 1 }, lit = { value: flown.sun ? 1 : 0 };
+  const limb = (fragment, transparent) => new Program(gl, { depthTest: false, depthWrite: false, cullFace: false, transparent,
+    uniforms: { map: { value: map }, eye, light, lit, turn: fixed, air0, night, outer },
+    vertex: `attribute vec3 position; uniform mat4 modelMatrix, viewMatrix, projectionMatrix; uniform float outer; varying vec3 p;
+      void main() { vec4 q = modelMatrix * vec4(position.xy * mix(1.0, outer, position.z), 0.0, 1.0); p = q.xyz; gl_Position = projectionMatrix * viewMatrix * q; }`,
+    fragment: `precision highp float; uniform sampler2D map; uniform vec3 eye, light, air0; uniform mat3 turn; uniform float lit, night; varying vec3 p;
+      vec3 air(float d) { return mix(air0, vec3(1.0), 0.25 * d); }
+      float day(vec3 n, float from, float to) { return mix(1.0, smoothstep(from, to, dot(n, light)), lit); }
+      float east(vec2 q) { // turns
+        vec2 a = abs(q);
+        float t = min(a.x, a.y) / max(a.x, a.y), s = t * t;
+        float r = t * (0.1591336 + s * (-0.0525688 + s * (0.0286703 + s * (-0.0135493 + s * 0.0033160))));
+        if (a.y > a.x) r = 0.25 - r;
+        if (q.x < 0.0) r = 0.5 - r;
+        return q.y < 0.0 ? -r : r;
+      }
       void main() {
-        vec3 d = normalize(look * vec3(p * extent, -1.0));
-        float b = dot(eye, d), h = b * b - dot(eye, eye) + 1.0;
-        if (b > 0.0) discard;
-        if (h < 0.0) { // beside it: the air's rim, brighter by day
-          float far = sqrt(max(dot(eye, eye) - b * b, 0.0)) - 1.0;
-          float day = mix(1.0, smoothstep(-0.25, 0.15, dot(normalize(eye - b * d), light)), lit);
-          float a = exp(-far / 0.009) * (0.1 + 0.75 * day);
-          if (a < 0.004) discard;
-          gl_FragColor = vec4(air(day) * a, a);
-          return;
-        }
-        vec3 n = eye + (-b - sqrt(h)) * d, q = turn * n;
-        vec3 c = texture2D(map, vec2(atan(q.y, q.x) / 6.2831853 + 0.5, 0.5 + asin(clamp(q.z, -1.0, 1.0)) / 3.1415927)).rgb;
-        float day = mix(1.0, smoothstep(-0.1, 0.12, dot(n, light)), lit);
-        float haze = pow(1.0 + dot(n, d), 5.0);
-        gl_FragColor = vec4(mix(c, air(day), 0.65 * haze) * mix(night, 1.0, day), 1.0);
+        vec3 d = normalize(p - eye);
+        float b = dot(eye, d), c = dot(eye, eye);
+        ${fragment}
       }` });
-  const quad = new Geometry(gl, { position: { size: 3, data: new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]) } });
-  const space = new Transform(), sky = group(space), ground = group(sky);
-  const backdrop = new Mesh(gl, { geometry: quad, program: sphere, frustumCulled: false });
-  backdrop.renderOrder = -1;
-  backdrop.setParent(space);
+  const face = limb(`vec3 n = eye - (b + sqrt(max(b * b - c + 1.0, 0.0))) * d, q = turn * n;
+        vec3 own = texture2D(map, vec2(east(q.xy) + 0.5, 0.5 + 0.5 * q.z)).rgb;
+        float sun = day(n, -0.1, 0.12), up = 1.0 + dot(n, d), haze = up * up * up * up * up;
+        gl_FragColor = vec4(mix(own, air(sun), 0.65 * haze) * mix(night, 1.0, sun), 1.0);`, false);
+  const rim = limb(`float far = sqrt(max(c - b * b, 0.0)) - 1.0, sun = day(normalize(eye - b * d), -0.25, 0.15), a = exp(-far / 0.009) * (0.1 + 0.75 * sun);
+        gl_FragColor = vec4(air(sun) * a, a);`, true); // beside it, brighter by day
+  const space = new Transform(), sky = group(space), ground = group(sky), limbs = group(space);
+  const AROUND = Array.from({ length: 257 }, (_, i) => [Math.cos((i * Math.PI) / 128), Math.sin((i * Math.PI) / 128)]);
+  const around = (corners) => new Geometry(gl, { position: { size: 3, data: new Float32Array(AROUND.flatMap(corners).flat()) } });
+  for (const [program, corners] of [[face, (a) => [[0, 0, 0], [...a, 0]]], [rim, (a) => [[...a, 0], [...a, 1]]]]) {
+    const made = new Mesh(gl, { geometry: around(corners), program, mode: gl.TRIANGLE_STRIP, frustumCulled: false });
+    made.renderOrder = -1;
+    made.setParent(limbs);
+  }
 
   // Lines and marks behind the Earth are not drawn; what lies in its shadow is dim.
   const drawn = (fades) => new Program(gl, { transparent: true, depthTest: false, depthWrite: false,
-    uniforms: { colour: { value: [0, 0, 0] }, alpha: { value: 1 }, eye, light, now, lit: { value: flown.sun ? 1 : 0 } },
+    uniforms: { colour: { value: [0, 0, 0] }, alpha: { value: 1 }, eye, light, now, lit },
     vertex: `attribute vec3 position, normal; uniform mat4 modelMatrix, viewMatrix, projectionMatrix; varying vec3 p; varying float age;
       void main() { vec4 q = modelMatrix * vec4(position, 1.0); p = q.xyz; age = normal.x; gl_Position = projectionMatrix * viewMatrix * q; }`,
     fragment: `precision highp float; uniform vec3 colour, eye, light; uniform float alpha, now, lit; varying vec3 p; varying float age;
@@ -134,8 +142,9 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
 
   // ---------------------------------------------------------------- the map
 
-  function paint(ink) { // land, as a picture of longitude and latitude
-    const W = 2048, H = 1024, it = new OffscreenCanvas(W, H), c = it.getContext("2d", { willReadFrequently: true }); // it is read as a texture
+  const row = (latitude, high) => (0.5 - Math.sin(latitude * rad) / 2) * high;
+  function paint(ink) { // land, as a picture of longitude and the sine of latitude
+    const W = slow ? 1024 : 2048, H = W / 2, it = new OffscreenCanvas(W, H), c = it.getContext("2d", { willReadFrequently: true }); // it is read as a texture
     c.fillStyle = ink.sea;
     c.fillRect(0, 0, W, H);
     if (data.earth !== null) {
@@ -143,10 +152,10 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
       c.strokeStyle = `color-mix(in srgb, ${ink.coast} 35%, ${ink.sea})`;
       c.lineWidth = 1;
       for (let a = 30; a < 360; a += 30) c.strokeRect(-5, -5, (a / 360) * W + 5, H + 10);
-      for (let a = 30; a < 180; a += 30) c.strokeRect(-5, -5, W + 10, (a / 180) * H + 5);
+      for (let a = -60; a < 90; a += 30) c.strokeRect(-5, -5, W + 10, row(a, H) + 5);
       c.fillStyle = ink.land;
       c.strokeStyle = ink.coast;
-      c.lineWidth = 2.5;
+      c.lineWidth = W / 820;
       let place = 0;
       for (const length of coastlines.rings) { // outlines cross 180 deg: their longitudes go on there, and each is drawn three times
         const ring = [];
@@ -158,7 +167,7 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
         const [from, to] = [ring[0][0], ring[length - 1][0]];
         const round = Math.abs(to - from) > 180; // Antarctica goes round the pole
         for (const turn of [-360, 0, 360]) {
-          const corner = ([lon, lat]) => c.lineTo(((lon + turn) / 360 + 0.5) * W, (0.5 - lat / 180) * H);
+          const corner = ([lon, lat]) => c.lineTo(((lon + turn) / 360 + 0.5) * W, row(lat, H));
           c.beginPath();
           ring.forEach(corner);
           if (!round) c.closePath();
@@ -170,8 +179,8 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
     }
     map.image = it;
     map.needsUpdate = true;
-    sphere.uniforms.air0.value = rgb(ink.air);
-    sphere.uniforms.night.value = ink.night;
+    air0.value = rgb(ink.air);
+    night.value = ink.night;
   }
 
   const turn = new Quat(), back = new Quat(), v = new Vec3();
@@ -186,11 +195,13 @@ const globe = (gl, { data, coastlines }, flown, { look, add, group, geometry, la
     const here = [...v.set(...r.map((x) => x / EARTH)).applyQuaternion(base)], s = sunAxis ? here.reduce((sum, x, i) => sum + x * sunAxis[i], 0) : 1;
     return { here, shadow: s < 0 && size(here.map((x, i) => x - s * sunAxis[i])) < 1 };
   }
-  function see(camera, from, base, aspect) { // before each picture
+  function see(from, base) { // before each picture
+    const far = size(from), way = unit(from), edge = Math.asin(Math.min(0.98, 1.048 / far)); // to where the air ends
     eye.value.set(...from);
-    const m = camera.worldMatrix, high = Math.tan((camera.fov * rad) / 2), { look: way, turn: fixed, extent } = sphere.uniforms;
-    way.value.set([m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]]);
-    extent.value = [high * aspect, high];
+    limbs.position.set(...way.map((x) => x / far));
+    limbs.quaternion.copy(toward([0, 0, 1], way));
+    limbs.scale.set(Math.sqrt(1 - 1 / far ** 2));
+    outer.value = ((far - 1 / far) * Math.tan(edge)) / limbs.scale[0];
     back.copy(base).multiply(turn).inverse(); // from the frame to the Earth's axes
     [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((e, i) => fixed.value.set([...v.set(...e).applyQuaternion(back)], 3 * i));
   }

@@ -59,6 +59,10 @@ const motion = (() => {
       },
     };
   }
+  const toward = (from, to) => { // the shortest rotation from one unit vector to another
+    const w = 1 + from.reduce((sum, v, i) => sum + v * to[i], 0);
+    return w < 1e-6 ? new Quat(...unit(cross(from, Math.abs(from[0]) < 0.5 ? [1, 0, 0] : [0, 1, 0])), 0) : new Quat(...cross(from, to), w).normalize();
+  };
   const apart = (a, b) => (2 * Math.acos(Math.min(1, Math.abs(a.dot(b)))) * 180) / Math.PI; // deg
-  return { read, cross, size, unit, apart };
+  return { read, cross, size, unit, toward, apart };
 })();

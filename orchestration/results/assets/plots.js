@@ -25,12 +25,11 @@ const timeline = {
   function array(place) {
     if (!unpacked.has(place)) {
       const { type, data, scale } = page.arrays[place];
-      const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
-      const view = new DataView(bytes.buffer);
-      const size = { u1: 1, i2: 2, f4: 4, f8: 8 }[type];
-      const read = { u1: (i) => view.getUint8(i), i2: (i) => view.getInt16(i, true) * scale, f4: (i) => view.getFloat32(i, true), f8: (i) => view.getFloat64(i, true) }[type];
-      const values = Array.from({ length: bytes.length / size }, (_, i) => read(i * size));
-      unpacked.set(place, values.map((v) => (Number.isFinite(v) ? v : null))); // null is a gap
+      const text = atob(data), bytes = new Uint8Array(text.length);
+      for (let i = 0; i < bytes.length; i++) bytes[i] = text.charCodeAt(i);
+      const read = new { u1: Uint8Array, i2: Int16Array, f4: Float32Array, f8: Float64Array }[type](bytes.buffer), values = new Array(read.length);
+      for (let i = 0; i < values.length; i++) values[i] = Number.isFinite(read[i]) ? (type === "i2" ? read[i] * scale : read[i]) : null; // null is a gap
+      unpacked.set(place, values);
     }
     return unpacked.get(place);
   }
@@ -511,6 +510,5 @@ const timeline = {
     label.textContent = page.plots[place.dataset.plot].label;
     place.prepend(label);
   }
-  places.filter(near).forEach(show);
   places.forEach((place) => { resized.observe(place); seen.observe(place); });
 })();

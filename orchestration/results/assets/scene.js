@@ -1,9 +1,9 @@
 "use strict";
 // What a three-dimensional view draws: the body with its axes, ghosts and vectors; earth.js has the Earth and the orbit.
 // `flown` is the motion, `ask.label(text, where, arrow)` puts a text at a point of the scene.
-const scene = (gl, { data, coastlines }, flown, ask) => {
-  const { Cylinder, Geometry, Mesh, Program, Quat, Transform, Vec3 } = ogl;
-  const { cross, size, unit } = motion;
+const scene = (gl, { data, coastlines, slow }, flown, ask) => {
+  const { Cylinder, Geometry, Mesh, Program, Transform, Vec3 } = ogl;
+  const { cross, size, toward, unit } = motion;
   const INK = { light: { label: "100%", body: [0.82, 0.84, 0.87], panel: [0.16, 0.25, 0.5], edge: "#1b1f24", axis: "#2f3740", desired: "#0a6b3d", planned: "#8a5cd6", estimated: "#b4540a", before: "#7a828c", orbit: "#b4540a", sea: "#a9c9e4", land: "#8fa878", coast: "#4c5f45", air: "#6ea8dd", night: 0.42 },
     dark: { label: "60%", body: [0.62, 0.65, 0.7], panel: [0.2, 0.33, 0.62], edge: "#e4e7eb", axis: "#d3d9df", desired: "#6fd39b", planned: "#b79af0", estimated: "#f2a050", before: "#9aa4af", orbit: "#f2a050", sea: "#2a5f92", land: "#5f8a55", coast: "#a5c79a", air: "#7fc0ff", night: 0.14 } };
   const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a5cd6", "#999999", "#b5651d", "#3aa6a0"];
@@ -81,8 +81,7 @@ const scene = (gl, { data, coastlines }, flown, ask) => {
     it.reach = (v, length = size(v)) => {
       it.visible = length > 0.02;
       if (!it.visible) return;
-      const d = unit(v), w = 1 + d[1];
-      it.quaternion.copy(w < 1e-6 ? new Quat(1, 0, 0, 0) : new Quat(...cross([0, 1, 0], d), w).normalize());
+      it.quaternion.copy(toward([0, 1, 0], unit(v)));
       const end = tip ? Math.min(head, 0.6 * length) : 0;
       shaft.scale.set(thick, length - end, thick);
       shaft.position.set(0, (length - end) / 2, 0);
@@ -148,12 +147,12 @@ const scene = (gl, { data, coastlines }, flown, ask) => {
   }
   for (const { name, direction, angle } of data.cones) {
     const long = 1.5, it = group(body), own = look("desired", { alpha: 0.12 }), made = add(it, cone, own); // its tip is in the body
-    it.quaternion.copy(new Quat(...cross([0, -1, 0], direction), 1 - direction[1]).normalize());
+    it.quaternion.copy(toward([0, -1, 0], direction));
     made.scale.set(2 * long * Math.tan(angle), long, 2 * long * Math.tan(angle));
     made.position.set(0, -long / 2, 0);
     label(name, () => (ask.wide() ? inWorld(body, direction.map((v) => 1.3 * v)) : null), "desired");
   }
-  const earth = flown.position ? globe(gl, { data, coastlines }, flown, { look, add, group, geometry, label, light, painted, rgb }) : null;
+  const earth = flown.position ? globe(gl, { data, coastlines, slow }, flown, { look, add, group, geometry, label, light, painted, rgb }) : null;
   function paint(theme) {
     for (const p of painted) p(INK[theme]);
     earth?.paint(INK[theme]);

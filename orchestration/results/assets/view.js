@@ -13,15 +13,20 @@
   const dark = matchMedia("(prefers-color-scheme: dark)"), calm = matchMedia("(prefers-reduced-motion: reduce)");
   let flown = motion.read(data, array), former = null; // the flight before, on a live page
 
-  let canvas = part("canvas"), renderer, gl, drawn, body, local, ghosts, arrows, light, earth;
+  let canvas = part("canvas"), slow = false, lower = false, renderer, gl, drawn, body, local, ghosts, arrows, light, earth;
   const labels = [];
+  // Pixels of the canvas to one of the page. More smooth the edges; fewer where it moves and a processor draws.
+  const resolution = () => (lower ? 0.6 : slow ? 1.5 : 2);
   function build() { // all that a context of WebGL holds
-    renderer = new Renderer({ canvas, alpha: true, premultipliedAlpha: true, antialias: true, preserveDrawingBuffer: true, dpr: Math.min(2, window.devicePixelRatio || 1), autoClear: false });
+    renderer = new Renderer({ canvas, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: true, autoClear: false });
     gl = renderer.gl;
+    const masked = gl.getParameter(gl.RENDERER), named = masked === "WebKit WebGL" && gl.getExtension("WEBGL_debug_renderer_info");
+    slow = /swiftshader|llvmpipe|software|basic render/i.test(named ? gl.getParameter(named.UNMASKED_RENDERER_WEBGL) : masked);
+    renderer.dpr = resolution();
     for (const { it } of labels.splice(0)) it.remove();
     const shown = arrows;
-    drawn = scene(gl, { data, coastlines: page.coastlines }, flown, {
-      wide: () => stage.clientWidth > 480,
+    drawn = scene(gl, { data, coastlines: page.coastlines, slow }, flown, {
+      wide: () => extent[0] > 480,
       label(text, where, arrow, far) {
         const it = document.createElement("span");
         it.textContent = text;
@@ -56,7 +61,7 @@
   const orbiting = Boolean(earth), shown = (name) => part(name).checked;
   const CLOSE = 15, WIDE = 300; // distances: up to here from the body, whose largest extent is 1; from here on of the whole Earth
   let azimuth = 0.7, height = 0.3, distance = 4.2, frame = orbiting ? "orbit" : "inertial", now = flown.first, printing = false, queued = false, drawnFrames = 0;
-  let lower = false; // fewer pixels while it moves, where the machine draws slowly
+  let extent = [1, 1]; // of the stage, px: asked for once, since asking lays the page out
   function toward() { // from what is looked at to the camera, in the frame
     const c = Math.cos(height), [x, y, z] = [c * Math.cos(azimuth), c * Math.sin(azimuth), Math.sin(height)];
     return frame === "orbit" ? [x, -y, -z] : [x, y, z]; // its Z points down
@@ -66,7 +71,7 @@
     camera.up.set(0, 0, frame === "orbit" ? -1 : 1);
     camera.position.set(...at);
     camera.lookAt(at.map((v, i) => v - way[i]));
-    camera.perspective({ aspect: extent()[0] / extent()[1] });
+    camera.perspective({ aspect: extent[0] / extent[1] });
     camera.updateMatrixWorld();
   }
   function paint() {
@@ -75,9 +80,9 @@
     draw();
   }
   const PAPER = [640, 380]; // px
-  const extent = () => (printing ? PAPER : [stage.clientWidth, stage.clientHeight]);
   function resize() {
-    const [wide, high] = extent();
+    extent = printing ? PAPER : [stage.clientWidth, stage.clientHeight];
+    const [wide, high] = extent;
     if (!wide || !high) return;
     renderer.setSize(wide, high);
     fit();
@@ -94,7 +99,7 @@
   }
   let painted = 0; // when, ms
   function render() {
-    const at = flown.bracket(now), [wide, high] = extent();
+    const at = flown.bracket(now), [wide, high] = extent;
     const q = flown.attitude(at), l = flown.lvlh(at), others = {};
     pose(body, q);
     pose(local, l, shown("lvlh"));
@@ -131,7 +136,7 @@
       if (size(eye) < 1.02) eye = unit(eye).map((v) => 1.02 * v);
       far = [eye, way, 0.02, 100];
       place(...far);
-      earth.see(camera, eye, base, wide / high);
+      earth.see(eye, base);
       renderer.render({ scene: earth.space, camera });
       renderer.setDepthMask(true);
       gl.clear(gl.DEPTH_BUFFER_BIT);
@@ -145,7 +150,8 @@
     place(from.map((v) => beyond * v), way, 0.1, 100);
     if (!hidden) renderer.render({ scene: drawn.near, camera });
     tags(wide, high, hidden || beyond > 1.4 * CLOSE, far);
-    words(q, others, values);
+    if (!playing || telling) words(q, others, values);
+    telling = false;
     root.dataset.frames = ++drawnFrames;
   }
   const ASIDE = [0, -13, 13, -26, 26].map((d) => [0, d]); // px, where a label would stand on another one
@@ -190,7 +196,8 @@
       it.hidden = !place;
       if (it.hidden) continue;
       taken.push(place);
-      it.style.transform = `translate(${place.x}px, ${place.y}px) translate(-50%, -50%)`;
+      const to = `translate(${Math.round(place.x)}px, ${Math.round(place.y)}px) translate(-50%, -50%)`;
+      if (labels[i].to !== to) it.style.transform = labels[i].to = to; // what moves less than a pixel costs no layout
     }
   }
   function words(q, { desired, estimated }, values) {
@@ -207,7 +214,7 @@
 
   // ---------------------------------------------------------------- controls
 
-  let playing = 0, before = 0, told = 0;
+  let playing = 0, before = 0, told = 0, telling = true; // texts and the plots' cursors follow some times a second
   const { first, last } = flown; // those of the whole run; a part of a flight ends before
   const reached = () => Math.min(last, flown.last);
   function go(t, quiet) {
@@ -224,8 +231,8 @@
     const passed = before ? (stamp - before) / 1000 : 0;
     if (calm.matches && before && passed < 1) { playing = requestAnimationFrame(step); return; } // a picture a second
     before = stamp;
-    const next = Math.min(reached(), now + passed * speed()), tell = stamp - told > 60;
-    if (tell) told = stamp;
+    const next = Math.min(reached(), now + passed * speed()), tell = stamp - told > (slow ? 200 : 60);
+    if (tell) [told, telling] = [stamp, true];
     pace(passed);
     go(next, !tell);
     if (next >= last) stop();
@@ -234,16 +241,17 @@
   let late = 0;
   function pace(passed) { // fewer pixels where twelve pictures in a row took more than 1/28 s each
     late = passed > 1 / 28 && passed < 0.5 ? late + 1 : Math.max(0, late - 1);
-    if (late > 12 && !lower) sharpen(true);
+    if (late > 12) sharpen(true);
   }
   function sharpen(low) {
-    lower = low;
     late = 0;
-    renderer.dpr = low ? 0.6 : Math.min(2, window.devicePixelRatio || 1);
+    if (low === lower) return;
+    lower = low;
+    renderer.dpr = resolution();
     resize();
   }
   function stop() {
-    if (lower) sharpen(false);
+    sharpen(false);
     cancelAnimationFrame(playing);
     playing = 0;
     play.textContent = "Play";
@@ -252,6 +260,7 @@
   function start() {
     if (now >= last) now = first;
     before = 0;
+    sharpen(slow);
     play.textContent = "Pause";
     play.setAttribute("aria-pressed", "true");
     playing = requestAnimationFrame(step);
@@ -323,6 +332,7 @@
   stage.addEventListener("pointerdown", (event) => {
     fingers.set(event.pointerId, [event.clientX, event.clientY]);
     stage.setPointerCapture(event.pointerId);
+    sharpen(lower || slow);
   });
   stage.addEventListener("pointermove", (event) => {
     const from = fingers.get(event.pointerId);
@@ -337,7 +347,11 @@
       turn((to[0] - from[0]) / 150, (to[1] - from[1]) / 150);
     }
   });
-  for (const name of ["pointerup", "pointercancel"]) stage.addEventListener(name, (event) => { fingers.delete(event.pointerId); reach = 0; });
+  for (const name of ["pointerup", "pointercancel"]) stage.addEventListener(name, (event) => {
+    fingers.delete(event.pointerId);
+    reach = 0;
+    if (!playing && !fingers.size) sharpen(false);
+  });
   function turn(aside, upward) {
     azimuth -= aside;
     height = Math.min(1.5, Math.max(-1.5, height + upward));
@@ -383,7 +397,7 @@
     resize();
     render();
   }).observe(stage);
+  if (page.live && !calm.matches) start(); // it moves at once
   resize();
   paint();
-  if (page.live && !calm.matches) start(); // it moves at once
 })();

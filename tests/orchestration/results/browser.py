@@ -10,8 +10,8 @@ from pathlib import Path
 
 from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, sync_playwright
 
-FLAGS = ["--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-"""WebGL is drawn by the processor, so that a machine without a graphics card shows the same."""
+FLAGS = ["--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--enable-unsafe-swiftshader"]
+"""The processor draws page and WebGL, as on a machine without a graphics card, so that each machine shows the same."""
 
 
 def executable() -> str | None:
