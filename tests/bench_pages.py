@@ -71,6 +71,7 @@ def _page(name: str, file: Path, tab: Tab, runs: int, row: Callable[[str, str, s
         f"{file.stat().st_size / 1e6:.2f} MB",
     )
     tab.until(f"{_STATE}.state === 'shown'", 120)
+    time.sleep(2)  # what has just been compiled is compiled for speed
     before, spent, begun = tab.page.evaluate(_FRAMES), _processor(), time.perf_counter()
     time.sleep(_SECONDS)
     frames, spent = tab.page.evaluate(_FRAMES) - before, _processor() - spent

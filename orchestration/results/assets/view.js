@@ -212,6 +212,36 @@
     canvas.setAttribute("aria-label", `The body ${data.name} in three dimensions at ${text}`);
   }
 
+  // ---------------------------------------------------------------- small multiples
+
+  const INSTANTS = 6, SMALL = 180; // px
+  let later = 0;
+  function multiples() { // both flights at the same instants, as the camera stands
+    clearTimeout(later);
+    if (former && part("both").open) later = setTimeout(compared, 250);
+  }
+  function compared() {
+    if (playing) return; // once it stands
+    const kept = [flown, former, now], end = Math.min(flown.last, former.last);
+    const instants = Array.from({ length: INSTANTS }, (_, i) => first + (i / (INSTANTS - 1)) * (end - first));
+    const cells = [["this flight", flown], ["flight before", former]].flatMap(([name, own]) => [name, ...instants.map((t) => {
+      [flown, former, now] = [own, null, t];
+      render();
+      const cell = document.createElement("div"), small = Object.assign(document.createElement("canvas"), { width: SMALL, height: SMALL });
+      const { width, height: high } = canvas, side = Math.min(width, high);
+      small.getContext("2d").drawImage(canvas, (width - side) / 2, (high - side) / 2, side, side, 0, 0, SMALL, SMALL);
+      small.setAttribute("role", "img");
+      small.setAttribute("aria-label", `${name}: ${part("words").textContent}`);
+      const q = own.attitude(own.bracket(t)), desired = own.desired(own.bracket(t));
+      cell.append(small, `${figures(t, 4)} s${q && desired ? `, ${figures(apart(q, desired), 3)} deg off` : ""}`);
+      return cell;
+    })]);
+    [flown, former, now] = kept;
+    part("strip").replaceChildren(...cells.map((cell) => (cell.append ? cell : Object.assign(document.createElement("b"), { textContent: cell }))));
+    render();
+  }
+  part("both").addEventListener("toggle", multiples);
+
   // ---------------------------------------------------------------- controls
 
   let playing = 0, before = 0, told = 0, telling = true; // texts and the plots' cursors follow some times a second
@@ -251,6 +281,7 @@
     resize();
   }
   function stop() {
+    multiples();
     sharpen(false);
     cancelAnimationFrame(playing);
     playing = 0;
@@ -318,13 +349,14 @@
   });
   document.addEventListener("before", () => {
     former = flown;
-    part("before").closest("label").hidden = false;
+    part("before").closest("label").hidden = part("both").hidden = false;
   });
   document.addEventListener("flown", ({ detail }) => { // a live page has flown again, or a part of it
     flown = motion.read(detail.view, array);
     earth?.renew(flown);
     marked();
     draw();
+    multiples();
   });
 
   const fingers = new Map();
@@ -351,6 +383,7 @@
     fingers.delete(event.pointerId);
     reach = 0;
     if (!playing && !fingers.size) sharpen(false);
+    multiples();
   });
   function turn(aside, upward) {
     azimuth -= aside;

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +14,12 @@ from click.testing import CliRunner
 
 from orchestration import run
 from orchestration.cli.main import main
-from orchestration.expectations.outcomes import Outcome
 from orchestration.results import whole
 from orchestration.session.read import load
 from tests.orchestration.results.browser import Tab, box
 from tests.orchestration.results.test_place import full
 
+from .drawn import flown, move, native, saved, trials, verdicts
 from .test_system import minimal
 
 pytestmark = pytest.mark.compile
@@ -34,10 +34,26 @@ SETS = {
 }
 """Five sets of parameters of V.B: positions of the sliders by number, and the faults that are injected."""
 SHOWN = "document.querySelector('[data-part=canvas]').toDataURL()"
+COLOURS = """(() => {
+  const canvas = document.querySelector("[data-part=canvas]"), { width, height } = canvas;
+  const copy = new OffscreenCanvas(width, height).getContext("2d");
+  copy.drawImage(canvas, 0, 0);
+  return new Set(new Uint32Array(copy.getImageData(0, 0, width, height).data.buffer)).size;
+})()"""
+"""How many colours the view has; an empty one has one."""
 STATES = """window.states = [];
 new MutationObserver((changes) => states.push(...changes.map((change) => change.oldValue))).observe(
   document.documentElement, {attributeFilter: ["data-state"], attributeOldValue: true}); 0"""
 """From now on, `states` has each state that the page was in before another."""
+
+
+def made(folder: Path, name: str) -> Path:
+    """The live page of a scenario, beside its folder."""
+    target = folder / f"{name}.html"
+    given = ["live", str(folder / "scenarios" / f"{name}.yaml"), "--out", str(target)]
+    done = CliRunner().invoke(main, given, catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    return target
 
 
 @pytest.fixture(scope="module")
@@ -45,9 +61,7 @@ def folder(tmp_path_factory):
     """The scenarios, and the live page of V.B beside them."""
     folder = tmp_path_factory.mktemp("live")
     shutil.copytree(ROOT / "scenarios", folder / "scenarios")
-    given = ["live", str(folder / "scenarios" / "paper_no_singularity.yaml"), "--out", str(folder / "vb.html")]
-    done = CliRunner().invoke(main, given, catch_exceptions=False)
-    assert done.exit_code == 0, done.output
+    made(folder, "paper_no_singularity").rename(folder / "vb.html")
     return folder
 
 
@@ -73,43 +87,6 @@ def elsewhere(opened: Tab, folder: Path) -> Iterator[Tab]:
     opened.open(folder / "vb.html", 1400)
 
 
-def flown(page: Tab) -> dict[str, str]:
-    """What the page says of its last flight, once nothing flies."""
-    page.until("document.documentElement.dataset.state !== 'flying'")
-    page.settle()
-    return page.page.evaluate("({...document.documentElement.dataset})")
-
-
-def move(page: Tab, positions: Mapping[int, float]) -> None:
-    """Moves sliders by their numbers, all before the worker answers."""
-    moves = "; ".join(
-        f"it = document.querySelector('[data-control=\"{number}\"]'); it.value = {value}; it.dispatchEvent(new "
-        "Event('input'))"
-        for number, value in positions.items()
-    )
-    page.page.evaluate(f"(() => {{ let it; {moves} }})()")
-
-
-Verdicts = list[tuple[str, float | str | None, float | None]]
-
-
-def verdicts(said: Mapping[str, str]) -> Verdicts:
-    """Status, value and time of each expectation, as the page says them."""
-    return [(each["status"], each["value"], each["time"]) for each in json.loads(said["verdicts"])]
-
-
-def native(outcomes: Sequence[Outcome]) -> Verdicts:
-    """What a page says of the same outcomes."""
-    return [(o.status, o.found, o.time) for o in outcomes]
-
-
-def saved(page: Tab, folder: Path) -> Path:
-    """The scenario of what the page has flown, beside the one that it extends."""
-    scenario = folder / "of_the_page.yaml"
-    scenario.write_text(page.page.text_content("#scenario") or "", "utf-8")
-    return scenario
-
-
 def test_five_sets_of_parameters_have_the_hash_of_the_native_run(page, folder):
     seen = set()
     for name, (sliders, faults) in SETS.items():
@@ -127,20 +104,7 @@ def test_five_sets_of_parameters_have_the_hash_of_the_native_run(page, folder):
 
 @pytest.mark.thorough
 def test_twenty_random_settings_have_the_hash_and_verdicts_of_the_native_run(page, folder):
-    drawn, controls_ = np.random.default_rng(1), page.page.locator("[data-control]").all()
-    ends = [[float(it.get_attribute(name) or 0) for name in ("min", "max")] for it in controls_]
-    seen = set()
-    for _ in range(20):
-        page.page.click("#reset")
-        move(page, {i: float(drawn.uniform(*ends[i])) for i in drawn.permutation(len(ends))[: drawn.integers(1, 4)]})
-        for fault in np.flatnonzero(drawn.random(3) < 0.3):
-            page.page.fill(f"[data-at='{fault}']", f"{drawn.uniform(0.0, 380.0):.1f}")
-            page.page.press(f"[data-at='{fault}']", "Enter")
-        said, result = flown(page), run(saved(page, folder / "scenarios"))
-        assert said["hash"] == result.sha256
-        assert verdicts(said) == native(result.outcomes)
-        seen.add(said["hash"])
-    assert len(seen) == 20
+    assert len(trials(page, folder / "scenarios", 20, np.random.default_rng(1))) == 20
 
 
 EACH_KIND = ("fault_failed_rod", "flight_estimated", "flight_failures", "flight_pyramid", "mission_day")
@@ -150,14 +114,12 @@ EACH_KIND = ("fault_failed_rod", "flight_estimated", "flight_failures", "flight_
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", EACH_KIND)
 def test_each_kind_of_scenario_flies_in_its_page_to_the_native_bits_and_verdicts(elsewhere, folder, name):
-    scenario, target = folder / "scenarios" / f"{name}.yaml", folder / f"{name}.html"
-    done = CliRunner().invoke(main, ["live", str(scenario), "--out", str(target)], catch_exceptions=False)
-    assert done.exit_code == 0, done.output
+    target = made(folder, name)
     assert target.stat().st_size <= 2_500_000
     elsewhere.open(target, 1400)
     elsewhere.until("document.documentElement.dataset.state === 'shown'", 500)
     said = elsewhere.page.evaluate("({...document.documentElement.dataset})")
-    result = run(scenario)
+    result = run(folder / "scenarios" / f"{name}.yaml")
     assert said["hash"] == result.sha256
     assert verdicts(said) == native(result.outcomes)
     assert elsewhere.complaints == []
@@ -274,6 +236,39 @@ def test_a_click_on_a_plot_or_on_the_phases_goes_there(page):
     page.page.mouse.click(left + width / 2, top + height / 2)
     page.settle()
     assert float(page.page.input_value("[data-part=slider]")) == pytest.approx(386.1 / 2, abs=2)
+
+
+@pytest.mark.thorough
+def test_a_click_on_the_bar_of_the_phases_goes_there(elsewhere, folder):
+    made(folder, "flight_tumble")
+    elsewhere.open(folder / "flight_tumble.html", 1400)
+    elsewhere.page.click("[data-part=play]")
+    span = float(elsewhere.page.get_attribute("[data-part=slider]", "max") or 0)
+    for share in (0.25, 0.75):
+        left, top, width, height = box(elsewhere, "[data-part=marks]")
+        elsewhere.page.mouse.click(left + share * width, top + height / 2)
+        elsewhere.settle()
+        assert float(elsewhere.page.input_value("[data-part=slider]")) == pytest.approx(share * span, rel=0.01)
+
+
+def test_both_flights_stand_side_by_side_after_a_change(page):
+    move(page, {0: 30.0})
+    flown(page)
+    page.page.evaluate("document.querySelector('[data-part=both]').open = true")
+    page.until("document.querySelectorAll('[data-part=strip] canvas').length === 12")
+    texts = page.page.locator("[data-part=strip] div").all_inner_texts()
+    assert [text.partition(",")[0] for text in texts[:6]] == [text.partition(",")[0] for text in texts[6:]]
+    assert texts[0].endswith("30 deg off")
+    assert texts[6].endswith("90 deg off")
+    page.page.evaluate("document.querySelector('[data-part=both]').open = false")
+
+
+@pytest.mark.thorough
+def test_each_of_twenty_loads_shows_the_view_and_not_its_labels_alone(elsewhere, folder):
+    for _ in range(20):
+        elsewhere.open(folder / "vb.html", 1400)
+        assert elsewhere.page.locator(".tag:not([hidden])").count() > 3
+        assert elsewhere.page.evaluate(COLOURS) > 50
 
 
 def test_a_flight_is_shown_in_the_view_and_what_is_of_the_one_before_is_marked_meanwhile(page, folder):

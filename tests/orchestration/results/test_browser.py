@@ -223,7 +223,7 @@ def test_on_paper_the_view_is_a_still_picture_with_its_labels_on_it(chromium, mo
     page = chromium.page
     page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
     still = page.locator(".still")
-    assert still.evaluate("it => [it.width, it.height]") == [640, 380]
+    assert still.evaluate("it => [it.width, it.height]") == [960, 570]  # 640 x 380 px of the page
     assert len(still.evaluate("it => it.toDataURL()")) > 4000  # a picture of one colour has less
     places = page.evaluate("[...document.querySelectorAll('.tag:not([hidden])')].map(tag => tag.style.transform)")
     across = [float(re.search(r"translate\(([\d.]+)px", place)[1]) for place in places]
