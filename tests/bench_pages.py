@@ -70,7 +70,7 @@ def _page(name: str, file: Path, tab: Tab, runs: int, row: Callable[[str, str, s
         f"{1e3 * (time.perf_counter() - begun):.0f} ms",
         f"{file.stat().st_size / 1e6:.2f} MB",
     )
-    tab.until(f"{_STATE}.state === 'shown'", 120)
+    tab.until(f"{_STATE}.state === 'shown'", 300)
     time.sleep(2)  # what has just been compiled is compiled for speed
     before, spent, begun = tab.page.evaluate(_FRAMES), _processor(), time.perf_counter()
     time.sleep(_SECONDS)
@@ -83,7 +83,7 @@ def _page(name: str, file: Path, tab: Tab, runs: int, row: Callable[[str, str, s
             "((v) => { const it = document.querySelector('[data-control=\"0\"]'); it.value = v;"
             f" it.dispatchEvent(new Event('input')); }})({20 + i})"
         )
-        tab.until(f"{_STATE}.state === 'shown'", 120)
+        tab.until(f"{_STATE}.state === 'shown'", 300)
         flights.append(float(tab.page.evaluate(f"{_STATE}.ms")))
     heap = tab.page.evaluate("performance.memory.usedJSHeapSize") / 1e6
     memory = float(tab.page.evaluate(f"{_STATE}.memory")) / 1e6

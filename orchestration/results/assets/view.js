@@ -16,7 +16,7 @@
   let canvas = part("canvas"), slow = false, lower = false, renderer, gl, drawn, body, local, ghosts, arrows, light, earth;
   const labels = [];
   // Pixels of the canvas to one of the page. More smooth the edges; fewer where it moves and a processor draws.
-  const resolution = () => (lower ? 0.6 : slow ? 1.5 : 2);
+  const resolution = () => (lower ? 0.5 : slow ? 1.5 : 2);
   function build() { // all that a context of WebGL holds
     renderer = new Renderer({ canvas, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: true, autoClear: false });
     gl = renderer.gl;
