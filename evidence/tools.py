@@ -11,6 +11,7 @@ from orchestration import InputError
 
 PACKAGES = {
     "frama-c": "frama-c-base",
+    "why3": "why3",
     "z3": "z3",
     "cppcheck": "cppcheck",
     "clang-tidy": "clang-tidy",

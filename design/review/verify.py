@@ -1,6 +1,6 @@
 """Requirements held against what was flown: verdict, margin, number of runs, seeds, and the worst case with its replay.
 
-Tests: tests/design/review/test_verify.py.
+Requirement: RV-1. Tests: tests/design/review/test_verify.py.
 """
 
 from __future__ import annotations

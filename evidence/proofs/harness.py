@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Literal
 
 from fmus.interface import ABSENT_MIN, Interface, Variable
-from fmus.native.generate import TEXT_SIZE, camel_case
+from fmus.native.generate import TEXT_SIZE, camel_case, shape_in_c
 
 Range = Literal["any", "limits"]
 REAL_MAX = 1e15
@@ -111,15 +111,18 @@ int main(void)
 
 def harness(interface: Interface, span: Range) -> str:
     """The program's C."""
+    def filled(letter: str, v: Variable) -> str:
+        return _filled(f"{letter}->{v.name}", v, shape_in_c(interface, v), span)
+
     parts = {
-        "parameters": "\n".join(_filled(f"p->{v.name}", v, span) for v in interface.of("parameter")),
-        "inputs": "\n".join(_filled(f"u->{v.name}", v, span) for v in interface.of("input")),
+        "parameters": "\n".join(filled("p", v) for v in interface.of("parameter")),
+        "inputs": "\n".join(filled("u", v) for v in interface.of("input")),
     }
-    outputs = "\n".join(_read(f"y->{v.name}", v) for v in interface.of("output"))
+    outputs = "\n".join(_read(f"y->{v.name}", v, shape_in_c(interface, v)) for v in interface.of("output"))
     return _TEXT.format(
-        name=interface.name,
+        name=interface.code,
         range=span,
-        title=camel_case(interface.name),
+        title=camel_case(interface.code),
         outputs=outputs,
         step="any_real" if span == "any" else f"Frama_C_double_interval(0x1p-20, {STEP_MAX!r})",
         step_max=STEP_MAX if span == "limits" else 1.7976931348623157e308,
@@ -137,23 +140,23 @@ def _loops(name: str, shape: tuple[int, ...], body: str) -> str:
     return "    " + body.replace("@", name + "".join(f"[{'ijk'[k]}]" for k in range(len(shape))))
 
 
-def _filled(name: str, v: Variable, span: Range) -> str:
+def _filled(name: str, v: Variable, shape: tuple[int, ...], span: Range) -> str:
     if v.type == "string":
         return f"    Frama_C_make_unknown({name}, {TEXT_SIZE - 1}); {name}[{TEXT_SIZE - 1}] = 0;"
     if v.type == "boolean":
-        return _loops(name, v.shape, "@ = any_integer != 0;")
+        return _loops(name, shape, "@ = any_integer != 0;")
     if v.type in ("integer", "enumeration"):
         low, high = (1, len(v.items)) if v.type == "enumeration" else (v.min, v.max)
         if span == "any" or low is None or high is None:
-            return _loops(name, v.shape, "@ = any_integer;")
-        return _loops(name, v.shape, f"@ = Frama_C_interval({int(low)}, {int(high)});")
+            return _loops(name, shape, "@ = any_integer;")
+        return _loops(name, shape, f"@ = Frama_C_interval({int(low)}, {int(high)});")
     if span == "any":
-        return _loops(name, v.shape, "@ = any_real;")
+        return _loops(name, shape, "@ = any_real;")
     low, high = limits_of(v)
-    given = _loops(name, v.shape, f"@ = Frama_C_double_interval({low!r}, {high!r});")
+    given = _loops(name, shape, f"@ = Frama_C_double_interval({low!r}, {high!r});")
     if not v.optional:
         return given
-    absent = _loops(name, v.shape, "@ = 1e9;")
+    absent = _loops(name, shape, "@ = 1e9;")
     return f"    if (any_integer != 0) {{\n    {given}\n    }} else {{\n    {absent}\n    }}"
 
 
@@ -163,5 +166,5 @@ def limits_of(v: Variable) -> tuple[float, float]:
     return (float(low), float(high)) if not v.optional else (float(low), min(float(high), ABSENT_MIN))
 
 
-def _read(name: str, v: Variable) -> str:
-    return _loops(name, v.shape, "seen_real = @;" if v.type == "real" else "seen_integer = @;")
+def _read(name: str, v: Variable, shape: tuple[int, ...]) -> str:
+    return _loops(name, shape, "seen_real = @;" if v.type == "real" else "seen_integer = @;")

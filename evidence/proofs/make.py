@@ -15,13 +15,22 @@ from .. import markdown
 from ..paper import ROOT
 from .analysis import Alarm, Result
 from .bounds import rows as rows_of_stack
+from .contracts import CONTRACTS, Contract
 from .faults import faults
 from .harness import STEP_MAX, TIME_MAX
-from .kept import result_of
+from .kept import FOLDER, result_of
 from .rules import deviations
 from .subjects import HERE, SUBJECTS, Subject
 
-FLIGHT = ("allocator", "allocator_bounded", "controller", "controller_planned", "estimator", "supervisor")
+FLIGHT = (
+    "allocator",
+    "allocator_bounded",
+    "allocator_bounded_wheels",
+    "controller",
+    "controller_planned",
+    "estimator",
+    "supervisor",
+)
 """Blocks that fly."""
 PAGE = ROOT / "docs" / "evidence" / "proofs.md"
 
@@ -82,13 +91,24 @@ def prove(names: Sequence[str]) -> list[tuple[Subject, Result]]:
     return results
 
 
+def prove_contracts() -> list[tuple[Contract, Result]]:
+    """All of them, and says what each came to. Raises InputError where a goal is not proved."""
+    results = [(c, c.prove(FOLDER / c.title.replace(", ", "-").replace(" ", "-"))) for c in CONTRACTS]
+    for contract, result in results:
+        say(f"{contract.title}: {result.proved} of {result.statements[1]} goals proved; {result.seconds:.0f} s")
+    if left := [str(alarm) for _, result in results for alarm in result.alarms]:
+        raise InputError("these goals are not proved:\n" + "\n".join(left))
+    return results
+
+
 def make(names: Sequence[str]) -> Path | None:
-    """Proves, and writes the page where all was proved."""
-    results = prove(names)
-    return None if names else page_of(results)
+    """Proves, and writes the page where all was proved. `contracts` is one of the names."""
+    results = [] if tuple(names) == ("contracts",) else prove([name for name in names if name != "contracts"])
+    contracts = prove_contracts() if not names or "contracts" in names else []
+    return None if names else page_of(results, contracts)
 
 
-def page_of(results: Sequence[tuple[Subject, Result]]) -> Path:
+def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple[Contract, Result]]) -> Path:
     """Writes the page of these results."""
     given = arguments()
     met = sorted({a for _, result in results for a in result.alarms})
@@ -115,6 +135,7 @@ def page_of(results: Sequence[tuple[Subject, Result]]) -> Path:
             argued=len(met),
             faults=len(planted),
             rows=rows,
+            contracts=[(f"`{Path(c.file).name}`", c.says, str(r.proved), f"{r.seconds:.0f} s") for c, r in contracts],
             arguments=argued,
             planted=planted,
             stacks=rows_of_stack(FLIGHT),

@@ -13,6 +13,7 @@ from orchestration import InputError
 from orchestration.cli.console import say
 
 from .analysis import Alarm
+from .contracts import CONTRACTS, Contract
 from .faults import Fault, faults
 from .make import arguments, unproved
 from .subjects import SUBJECTS, Subject
@@ -34,12 +35,12 @@ def _other_files(folder: str, names: list[str]) -> list[str]:
     return [name for name in names if Path(folder, name).is_file() and Path(name).suffix not in (".c", ".h")]
 
 
-def subject_of(title: str) -> Subject:
-    """The subject of this title. Raises InputError where there is none."""
-    for subject in SUBJECTS:
-        if subject.title == title:
-            return subject
-    raise InputError(f"there is no proof {title!r}; expected one of {', '.join(s.title for s in SUBJECTS)}")
+def subject_of(title: str) -> Subject | Contract:
+    """The proof of this title. Raises InputError where there is none."""
+    known: dict[str, Subject | Contract] = {proof.title: proof for proof in (*SUBJECTS, *CONTRACTS)}
+    if title not in known:
+        raise InputError(f"there is no proof {title!r}; expected one of {', '.join(known)}")
+    return known[title]
 
 
 def make(numbers: Sequence[int]) -> None:

@@ -64,7 +64,7 @@ class Subject:
             program.write_text(harness(block.interface, self.span), "utf-8")
         sources, headers = ([root / p.relative_to(PACKAGES) for p in paths] for paths in (sources, headers))
         limits = self.span == "limits"
-        define = ("PROOF_WITHIN_LIMITS",) if limits else ()
+        define = ("PROOF_WITHIN_LIMITS",) if limits else ("PROOF_DATE_APART",) if self.span else ()
         return analyse(program, sources, headers, self._options(), define, HERE / "prelude.h", limits)
 
     def _options(self) -> list[str]:
@@ -72,7 +72,8 @@ class Subject:
         words += ["non-finite", "-eva-use-spec", ",".join(SPECIFIED)] if self.span == "limits" else ["none"]
         if self.span is None:
             return words
-        apart = {"fly": 0, "main": 200, f"{self.name}_check": 200, **dict.fromkeys(self.closely, 2000)}
+        code = Block.named(self.name).interface.code
+        apart = {"fly": 0, "main": 200, f"{code}_check": 200, **dict.fromkeys(self.closely, 2000)}
         return [*words, "-eva-slevel-function", ",".join(f"{name}:{n}" for name, n in apart.items())]
 
 
@@ -88,6 +89,7 @@ SUBJECTS = (
     Subject("allocator", "any", 6, quick=True),
     Subject("allocator", "limits", quick=True),
     Subject("allocator_bounded", "any", 6),
+    Subject("allocator_bounded_wheels", "any", 6),
     Subject("controller", "any", 6),
     Subject("controller", "limits"),
 )

@@ -21,7 +21,10 @@ from ..paper import ROOT
 FILE = Path(__file__).with_name("requirements.yaml")
 OUT = ROOT / "out" / "trace"
 KINDS = {
-    "code": ("allocator", "controller", "estimator", "supervisor", "evidence/proofs"),
+    "code": (
+        *("allocator", "controller", "estimator", "supervisor", "fmus/native", "evidence/proofs"),
+        *("orchestration/instances/record", "design/review"),
+    ),
     "tests": ("tests",),
     "scenarios": ("scenarios",),
     "proofs": ("evidence/proofs",),

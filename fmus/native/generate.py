@@ -69,10 +69,14 @@ def _count(interface: Interface, part: str) -> str:
     return f"{interface.code}_{part}s".upper()
 
 
+def shape_in_c(interface: Interface, variable: Variable) -> tuple[int, ...]:
+    """Of its member in the structure. That of one part, too, stands in an array, so that the C has one form."""
+    return (1, *variable.shape) if interface.sets.get(variable.each or "") == 1 else variable.shape
+
+
 def members_of(interface: Interface, variable: Variable) -> list[str]:
-    """A variable's elements in the structure. That of one part, too, stands in an array, so that the C has one form."""
-    shape = (1, *variable.shape) if interface.sets.get(variable.each or "") == 1 else variable.shape
-    indices = itertools.product(*(range(n) for n in shape))
+    """A variable's elements in the structure."""
+    indices = itertools.product(*(range(n) for n in shape_in_c(interface, variable)))
     return [variable.name + "".join(f"[{i}]" for i in index) for index in indices]
 
 

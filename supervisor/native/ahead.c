@@ -31,7 +31,7 @@ bool supervisor_look_ahead(const SupervisorLaw *law, const SupervisorInputs *u, 
     for (int k = 0; k < SUPERVISOR_AHEAD; ++k) {
         const double i = k + 1, last = SUPERVISOR_AHEAD, share = i * (i + EVEN) / (last * (last + EVEN));
         Vector r, v;
-        Reference now, to;
+        Reference now = SUPERVISOR_NO_REFERENCE, to = now;
         later.t = x->t + p->ahead_horizon * share;
         two_body_at(&orbit, later.t, &r, &v);
         store(r, then.r_N);

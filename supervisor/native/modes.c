@@ -49,7 +49,7 @@ bool supervisor_reference_now(const SupervisorLaw *law, const SupervisorState *x
         *now = (Reference){{STILL, STILL, STILL}, x->towards, STILL};
         return true;
     }
-    Reference to;
+    Reference to = SUPERVISOR_NO_REFERENCE;
     if (!supervisor_destination(law, x, u, &to, f)) {
         return false;
     }
@@ -101,7 +101,7 @@ static bool aim_of(int32_t wanted, const SupervisorInputs *u, double aim[9], Fau
 static bool turn_to(const SupervisorLaw *law, int32_t wanted, const double aim[9], const SupervisorInputs *u,
                     SupervisorState *x, Fault *f)
 {
-    Reference now, to;
+    Reference now = SUPERVISOR_NO_REFERENCE, to = now;
     if (!supervisor_reference_now(law, x, u, &now, f)) {
         return false;
     }
@@ -126,7 +126,7 @@ static bool turn_to(const SupervisorLaw *law, int32_t wanted, const double aim[9
 static bool judge(const SupervisorLaw *law, const SupervisorInputs *u, double h, SupervisorState *x, Fault *f)
 {
     const SupervisorParameters *p = &law->p;
-    Reference now;
+    Reference now = SUPERVISOR_NO_REFERENCE;
     if (!supervisor_reference_now(law, x, u, &now, f)) {
         return false;
     }
@@ -160,7 +160,7 @@ bool supervisor_advance(const SupervisorLaw *law, const SupervisorInputs *u, dou
     const bool calm = rate<p->rate_acquire, fast = rate> p->rate_lost;
     const int32_t wanted = mode_wanted(p, u);
     double aim[9];
-    Reference to;
+    Reference to = SUPERVISOR_NO_REFERENCE;
     x->t += h;
     x->calm = calm ? x->calm + h : 0.0;
     x->fast = fast ? x->fast + h : 0.0;

@@ -4,6 +4,10 @@
 
 #include "supervisor.h"
 
+/* Before it is known: set, so that no path reads it unset. */
+static const Reference SUPERVISOR_NO_REFERENCE = {
+    {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+
 /* Of Greenwich at x->t, rad. */
 double supervisor_angle_of_earth(const SupervisorLaw *law, const SupervisorState *x);
 

@@ -94,7 +94,7 @@ static bool inputs_fit(const SupervisorInputs *u, Fault *f)
 bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u,
                         SupervisorOutputs *y, Fault *f)
 {
-    Reference now;
+    Reference now = SUPERVISOR_NO_REFERENCE;
     if (!inputs_fit(u, f) || !supervisor_reference_now(law, x, u, &now, f)) {
         return false;
     }

@@ -1,5 +1,8 @@
 """The bounded allocator for a set of wheels: SciPy on the whole problem, one of its wheels beside the allocator of one
-wheel, the null space of four wheels, and what it refuses."""
+wheel, the null space of four wheels, and what it refuses.
+
+Shows AB-3.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-/* Wheels of a set that do not give what is commanded. Tests: tests/native/test_allocator_wheels.py. */
+/* Wheels of a set that do not give what is commanded.
+ * Requirement: AB-3. Tests: tests/native/test_allocator_wheels.py. */
 #include "actuators.h"
 
 #if ALLOCATOR_BOUNDED_WHEELS > 1

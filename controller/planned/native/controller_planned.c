@@ -32,6 +32,14 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     controller_planned_command(law, x, u, &now, x->u, &x->held);
 }
 
+/* What leaves the block, through the guard. */
+static bool give(const ControllerPlannedLaw *law, ControllerPlannedOutputs *y, Fault *f)
+{
+    double rod_limits[3];
+    store(controller_planned_rod_dipoles(&law->p), rod_limits);
+    return controller_planned_guard(rod_limits, law->p.wheel_torque_max, y, f);
+}
+
 /* Of the orbit through position and velocity, or of a low one where they give none. */
 static Scales scales_of(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u)
 {
@@ -106,11 +114,11 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
 {
     if (no_attitude(x, u)) {
         *y = controller_planned_without_attitude(law, x, u);
-        return controller_planned_inputs_finite(u, f);
+        return controller_planned_inputs_finite(u, f) && give(law, y, f);
     }
     *y = x->held;
     if (!x->sampled) {
-        return true;
+        return give(law, y, f);
     }
     double controls[CONTROLS];
     if (!controller_planned_inputs_fit(u, law->p.gravitational_parameter, f)) {
@@ -119,7 +127,7 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
     const double l = controller_planned_has_h_w(u) ? u->h_w : x->l_own;
     const Motion now = controller_planned_corrected(x, attitude_of(x, u), vector(u->omega_B), l);
     controller_planned_command(law, x, u, &now, controls, y);
-    return true;
+    return give(law, y, f);
 }
 
 bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u,
@@ -132,7 +140,7 @@ bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *
         x->t += h;
         step_without_attitude(law, u, h, x);
         *y = x->held;
-        return true;
+        return give(law, y, f);
     }
     if (!controller_planned_inputs_fit(u, law->p.gravitational_parameter, f)) {
         return false;
@@ -142,7 +150,7 @@ bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *
         const bool begun = begin(law, u, x, f);
         x->flown = true;
         *y = x->held;
-        return begun;
+        return begun && give(law, y, f);
     }
     if (!controller_planned_gains_fit(law, &x->scales, f)) {
         return false;
@@ -159,5 +167,5 @@ bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *
         }
     }
     *y = x->held;
-    return true;
+    return give(law, y, f);
 }

@@ -51,7 +51,7 @@ Target controller_planned_target_at(const Ahead *ahead, double t)
 {
     if (ahead->knots > 0 && t < ahead->given_t) {
         int i = 0;
-        while (t >= ahead->knot[i + 1].t) {
+        while (i + 1 < ahead->knots && t >= ahead->knot[i + 1].t) {
             ++i;
         }
         return between(&ahead->knot[i], &ahead->knot[i + 1], t);

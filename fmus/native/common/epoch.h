@@ -100,6 +100,16 @@ static inline bool epoch_is_utc(const char *text)
 /* UTC in the extended form of ISO 8601: 2009-08-10, or 2009-08-10T12:00[:00[.5]] and Z, +00:00, -00:00 or nothing. A
  * space may stand for the T and a comma for the point; digits beyond microseconds are dropped. Years 1 to 9999; no
  * leap second. */
+/*@ requires \valid_read(text + (0 .. 127)) && text[127] == 0;
+    assigns *epoch, \result \from text[0 .. 127];
+    ensures \result == 0 || \result == 1;
+    ensures \result == 1 ==> 1 <= epoch->year <= 9999;
+    ensures \result == 1 ==> -63200000000000000 <= epoch->since_j2000 <= 252500000000000000;
+    ensures \result == 1 ==> 0 <= epoch->in_year <= 31622400000000;
+    ensures \result == 1 ==> 31536000000000 <= epoch->year_length <= 31622400000000; */
+#ifdef PROOF_DATE_APART
+extern bool epoch_read(const char *text, Epoch *epoch);
+#else
 static inline bool epoch_read(const char *text, Epoch *epoch)
 {
     static const int lengths[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
@@ -127,6 +137,7 @@ static inline bool epoch_read(const char *text, Epoch *epoch)
     *epoch = (Epoch){year, year_start + in_year - EPOCH_DAY / 2, in_year, year_days * EPOCH_DAY};
     return true;
 }
+#endif
 
 /* Whether the parameter `epoch` is a date. */
 static inline bool is_epoch(const char *text, Epoch *epoch, Fault *f)

@@ -1,7 +1,7 @@
 """The recorder before an FMU's library: its calls go through recorder.c, which writes them into a mapped file.
 
 The file is complete to the last call whatever becomes of the process; calls.h describes it.
-Tests: tests/orchestration/instances/record/test_play.py.
+Requirement: RC-1. Tests: tests/orchestration/instances/record/test_play.py.
 """
 
 from __future__ import annotations

@@ -60,3 +60,19 @@ PROBE void probe_watch_wheel(const ControllerPlannedParameters *p, double dt, do
         stuck[i] = friction.stuck;
     }
 }
+
+/* Commands, dipole_ff, wheel_torque_ff and tau_cmd_B, through the guard: `refused` is 0, or the first letter of the
+ * output that is. */
+PROBE void probe_guard(const double rods[3], double torque_max, double commands[7], unsigned char *refused)
+{
+    Fault f = {"", "", NULL, 0.0};
+    ControllerPlannedOutputs y;
+    memset(&y, 0, sizeof y);
+    memcpy(y.dipole_ff, commands, sizeof y.dipole_ff);
+    y.wheel_torque_ff = commands[3];
+    memcpy(y.tau_cmd_B, commands + 4, sizeof y.tau_cmd_B);
+    *refused = controller_planned_guard(rods, torque_max, &y, &f) ? 0 : (unsigned char)f.name[0];
+    memcpy(commands, y.dipole_ff, sizeof y.dipole_ff);
+    commands[3] = y.wheel_torque_ff;
+    memcpy(commands + 4, y.tau_cmd_B, sizeof y.tau_cmd_B);
+}

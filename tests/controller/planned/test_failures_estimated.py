@@ -1,5 +1,8 @@
 """Failures behind an estimator, whose attitude is off by degrees for minutes: they are found, and sound parts are
-not blamed."""
+not blamed.
+
+Shows PL-1.
+"""
 
 import numpy as np
 import pytest

@@ -1,4 +1,7 @@
-"""Requirements: what is asked of a file, and the verdicts, against exact binomial bounds of SciPy."""
+"""Requirements: what is asked of a file, and the verdicts, against exact binomial bounds of SciPy.
+
+Shows RV-1.
+"""
 
 import numpy as np
 import pytest

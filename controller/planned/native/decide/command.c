@@ -7,6 +7,7 @@
 static const double PROBE =
     0.02; /* of the wheel's limit: torque, to and fro, by which a stuck wheel shows that it works */
 static const double PROBE_SAMPLES = 4.0; /* to either side */
+static const double TURNS_MAX = 9e15;    /* for which a double has halves, and an integer room */
 static const double TINY = 1e-300;       /* keeps a rod that gives nothing from dividing */
 
 /* The feed-forward. */
@@ -165,7 +166,7 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     store(dOmega_d, y->dOmega_d);
     if (!has_wheel(&model)) {
         if (x->friction.stuck) {
-            const double turns = 0.5 * x->t / (PROBE_SAMPLES * p->control_period);
+            const double turns = smaller(0.5 * x->t / (PROBE_SAMPLES * p->control_period), TURNS_MAX);
             y->wheel_torque_ff = (turns - (double)(int64_t)turns < 0.5 ? PROBE : -PROBE) * p->wheel_torque_max;
             tau = subtract(tau, scale(y->wheel_torque_ff, model.wheel_axis));
         }

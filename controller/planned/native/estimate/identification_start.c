@@ -1,5 +1,5 @@
 /* The Kalman filter before the flight, and where it begins anew: docs/how/planned-estimates.md, Estimates.
- * Tests: test_identification.py. */
+ * Requirement: PL-1. Tests: test_identification.py, test_failures_estimated.py. */
 #include "identification.h"
 
 #include <string.h>

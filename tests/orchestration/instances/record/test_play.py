@@ -1,4 +1,7 @@
-"""A recorded run is played again: by the command, by the program alone, on another FMU, and after a crash."""
+"""A recorded run is played again: by the command, by the program alone, on another FMU, and after a crash.
+
+Shows RC-1.
+"""
 
 from __future__ import annotations
 

@@ -1,0 +1,89 @@
+"""Contracts in the C that Frama-C's WP proves with z3: the guards through which outputs leave a block.
+
+A guard relates a number to its limit, and says something of each of many numbers. Eva's sets of values do not.
+Needs frama-c, why3 and z3 (Debian: frama-c-base, why3, z3).
+
+Requirement: FC-4.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from fmus.block import Block
+from fmus.native import lay_out
+from fmus.places import PACKAGES
+from orchestration import InputError
+
+from ..tools import tool
+from .analysis import MACHINE, Alarm, Result
+
+PRELUDE = Path(__file__).with_name("prelude.h")
+
+
+@dataclass(frozen=True)
+class Contract:
+    """Functions of a file whose contracts are proved, as the file stands in the FMU of a block."""
+
+    title: str
+    file: str
+    functions: tuple[str, ...]
+    block: str
+    says: str
+
+    def prove(self, folder: Path, root: Path = PACKAGES) -> Result:
+        """WP on the file in `root`, in `folder`: an alarm is a goal that z3 does not prove.
+
+        `root`: a copy of the packages, with changes. Raises InputError where a program is missing or fails.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        began, block, config = time.monotonic(), Block.named(self.block), folder / "why3.conf"
+        tool("z3")
+        subprocess.run([tool("why3"), "config", "detect", "-C", str(config)], capture_output=True, check=True)
+        _, include = lay_out(block.interface, block.folder, "{guid}", folder)
+        places = [root / p.relative_to(PACKAGES) if p.is_relative_to(PACKAGES) else p for p in include]
+        words = [f"-include {PRELUDE}", *(f"-I{path}" for path in places)]
+        command = [tool("frama-c"), "-machdep", MACHINE, f"-cpp-extra-args={' '.join(words)}", "-wp"]
+        command += ["-wp-prover", "z3", "-wp-timeout", "60", "-wp-fct", ",".join(self.functions)]
+        done = subprocess.run(
+            [*command, str(root / self.file)],
+            capture_output=True,
+            text=True,
+            check=False,
+            cwd=folder,
+            env={**os.environ, "WHY3CONFIG": str(config)},
+        )
+        proved = re.search(r"Proved goals:\s*(\d+) / (\d+)", done.stdout)
+        if done.returncode or proved is None:
+            raise InputError(f"{self.file}: Frama-C's WP failed:\n{done.stdout[-2000:]}{done.stderr[-500:]}")
+        left = re.findall(r"Goal (\w+) : (?!Valid)\w+", done.stdout)
+        if len(left) != int(proved[2]) - int(proved[1]):
+            raise InputError(f"{self.file}: {proved[0]}, but these are named: {left}; remedy: Frama-C 25")
+        alarms = tuple(Alarm(Path(self.file).name, 0, self._function(goal), "goal", goal) for goal in left)
+        return Result(alarms, int(proved[1]), (int(proved[1]), int(proved[2])), time.monotonic() - began)
+
+    def _function(self, goal: str) -> str:
+        return max((f for f in self.functions if f"_{f}_" in goal), key=len, default="")
+
+
+CONTRACTS = (
+    Contract(
+        "guard, every FMU",
+        "fmus/native/shell/evaluate.c",
+        ("is_number", "run_finite"),
+        "allocator",
+        "outputs pass only where each number is finite",
+    ),
+    Contract(
+        "guard, controller_planned",
+        "controller/planned/native/decide/guard.c",
+        ("is_command", "controller_planned_guard"),
+        "controller_planned",
+        "a command is finite and within the limit of its rod or wheel",
+    ),
+)
