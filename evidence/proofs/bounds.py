@@ -50,7 +50,7 @@ def bounds_of(name: str) -> Bounds:
     refuse_heap(name, graphs)
     return Bounds(
         name,
-        {call: deepest(graphs, f"{name}_{call}") for call in CALLS},
+        {call: deepest(graphs, f"{block.interface.code}_{call}") for call in CALLS},
         sum(graph.count("bytes (static)") for graph in graphs),
     )
 

@@ -49,7 +49,7 @@ class Contract:
         places = [root / p.relative_to(PACKAGES) if p.is_relative_to(PACKAGES) else p for p in include]
         words = [f"-include {PRELUDE}", *(f"-I{path}" for path in places)]
         command = [tool("frama-c"), "-machdep", MACHINE, f"-cpp-extra-args={' '.join(words)}", "-wp"]
-        command += ["-wp-prover", "z3", "-wp-timeout", "60", "-wp-fct", ",".join(self.functions)]
+        command += ["-wp-prover", "z3", "-wp-timeout", "900", "-wp-fct", ",".join(self.functions)]
         done = subprocess.run(
             [*command, str(root / self.file)],
             capture_output=True,

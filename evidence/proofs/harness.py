@@ -111,6 +111,7 @@ int main(void)
 
 def harness(interface: Interface, span: Range) -> str:
     """The program's C."""
+
     def filled(letter: str, v: Variable) -> str:
         return _filled(f"{letter}->{v.name}", v, shape_in_c(interface, v), span)
 

@@ -56,6 +56,7 @@ static bool run_finite(const double *x, size_t n)
         if (!is_number(x[i])) {
             all = false;
         }
+        //@ assert all ==> \is_finite(x[i]);
     }
     return all;
 }
