@@ -17,8 +17,7 @@ from lxml import etree
 
 from fmus.build import ensure
 from fmus.contents.references import FOLDER
-from fmus.interface import BLOCKS as ALL
-from fmus.interface import load
+from fmus.interface import BLOCKS, load
 from tests.native.test_fmi3 import three
 
 from .measure import ONES, Recipe
@@ -28,7 +27,8 @@ pytestmark = pytest.mark.thorough
 
 READ = """\
 import json, sys
-fmu, step, start, names, inputs, outputs = json.loads(sys.stdin.read())  # inputs: a row of numbers an instant
+fmu, step, start, names, inputs, outputs = json.loads(sys.stdin.read())  # inputs: a row of values an instant
+words = {float: "real", int: "integer", bool: "boolean", str: "string"}
 """
 SCRIPTS = {
     "FMPy": """
@@ -53,13 +53,13 @@ execution = CosimExecution.from_step_size(round(1e9 * step))
 block = execution.add_local_slave(CosimLocalSlave(fmu_path=fmu, instance_name="block"))
 reference = {v.name.decode(): v.reference for v in execution.slave_variables(block)}
 for name, value in {**start, **dict(zip(names, inputs[0]))}.items():
-    set_initial = execution.string_initial_value if isinstance(value, str) else execution.real_initial_value
-    set_initial(block, reference[name], value)
+    getattr(execution, f"{words[type(value)]}_initial_value")(block, reference[name], value)
 observer, manipulator = CosimObserver.create_last_value(), CosimManipulator.create_override()
 execution.add_observer(observer), execution.add_manipulator(manipulator)
 rows = []
 for row in inputs[:-1]:
-    manipulator.slave_real_values(block, [reference[name] for name in names], row)
+    for name, value in zip(names, row):
+        getattr(manipulator, f"slave_{words[type(value)]}_values")(block, [reference[name]], [value])
     execution.step()
     rows.append(observer.last_real_values(block, [reference[name] for name in outputs]))
 """,
@@ -73,12 +73,11 @@ with EcosSimulation(structure=structure, step_size=step) as simulation:
     simulation.init(parameter_set="start")
     for row in inputs[:-1]:
         for name, value in zip(names, row):
-            simulation.set_real(f"block::{name}", value)
+            getattr(simulation, f"set_{words[type(value)]}".replace("boolean", "bool"))(f"block::{name}", value)
         simulation.step()
         rows.append([simulation.get_real(f"block::{name}") for name in outputs])
 """,
 }
-BLOCKS = ("plant", "controller", "allocator")
 
 
 @pytest.mark.parametrize("block", BLOCKS)
@@ -92,12 +91,14 @@ def test_a_tool_reproduces_what_the_fmu_carries(recipe: Recipe, block: str, tmp_
     folder = tmp_path / "unpacked" / FOLDER
     given, expected = (pandas.read_csv(folder / name) for name in ("inputs.csv", "outputs.csv"))
     values = {p.get("name"): p[0] for p in etree.parse(str(folder / "parameters.ssv")).findall(".//{*}Parameter")}
-    start = {k: v.get("value") if v.tag.endswith("String") else float(v.get("value")) for k, v in values.items()}
+    kinds = {v.name: v.type for v in fmpy.read_model_description(str(fmu)).modelVariables}
+    start = {name: _typed(value.get("value"), kinds[name]) for name, value in values.items()}
     experiment = etree.parse(str(folder / "smoke-test.exp")).find("Experiment")
     step = float(experiment.get("stepSize"))
     tolerances = {t.get("name"): float(t.get("absolute")) for t in experiment.iter("Tolerance")}
     names, outputs = list(given)[1:], list(tolerances)
-    task = (str(fmu), step, start, names, given[names].to_numpy().tolist(), outputs)
+    rows = [[_typed(value, kinds[name]) for name, value in zip(names, row, strict=True)] for row in given[names].values]
+    task = (str(fmu), step, start, names, rows, outputs)
     script = f"{READ}{SCRIPTS[recipe.tool]}\nprint('\\n@' + json.dumps(rows))"
     run = subprocess.run(
         [sys.executable, "-c", script],
@@ -108,14 +109,22 @@ def test_a_tool_reproduces_what_the_fmu_carries(recipe: Recipe, block: str, tmp_
         timeout=120,
     )
     assert run.returncode == 0, run.stdout[-2000:] + run.stderr[-2000:]
-    rows = np.array(json.loads(run.stdout.rpartition("\n@")[2]))
-    assert len(rows) == len(expected) - 1
+    seen = np.array(json.loads(run.stdout.rpartition("\n@")[2]))
+    assert len(seen) == len(expected) - 1
     for i, name in enumerate(outputs):
-        difference = np.abs(rows[:, i] - expected[name][1:]).max()
+        difference = np.abs(seen[:, i] - expected[name][1:]).max()
         assert difference <= tolerances[name], f"{name}: {difference}"
 
 
-@pytest.mark.parametrize("block", ALL)
+def _typed(value: object, kind: str) -> float | int | bool | str:
+    """A value of a table or an SSV as the type of its variable."""
+    if kind == "String":
+        return str(value)
+    number = float({"true": 1, "false": 0}.get(str(value).lower(), value))  # type: ignore[arg-type]
+    return number if kind == "Real" else bool(number) if kind == "Boolean" else int(number)
+
+
+@pytest.mark.parametrize("block", BLOCKS)
 def test_fmpy_maps_every_column_of_the_inputs(block: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It warns of an input without a column, and passes over a column without an input."""
     fmu = ensure(block, here=True)
@@ -133,7 +142,7 @@ def test_fmpy_maps_every_column_of_the_inputs(block: str, tmp_path: Path, capsys
         np.testing.assert_allclose(result[name], wanted[name], rtol=1e-6, atol=1e-6 * np.abs(wanted[name]).max())
 
 
-@pytest.mark.parametrize("block", ALL)
+@pytest.mark.parametrize("block", BLOCKS)
 def test_of_fmi_3_each_column_is_an_array_of_the_fmu(block: str, tmp_path: Path) -> None:
     """By FMPy's reader. Its simulation stacks the inputs, so it takes arrays of one shape only (0.3.32)."""
     folder = Path(fmpy.extract(str(three(block)), unzipdir=str(tmp_path))) / FOLDER
@@ -143,6 +152,37 @@ def test_of_fmi_3_each_column_is_an_array_of_the_fmu(block: str, tmp_path: Path)
         variable, element = load(block).variables.get(name), load(block).elements.get(name)
         assert signals[name][0].size == (len(variable.elements) if variable is not None else 1)
         assert variable is not None or element is not None
+
+
+STEPPED = """
+import json, sys
+from ecospy import EcosSimulation, EcosSimulationStructure
+fmu, names = json.loads(sys.stdin.read())
+structure = EcosSimulationStructure()
+structure.add_model("block", fmu)
+with EcosSimulation(structure=structure, step_size=0.1) as simulation:
+    simulation.init()
+    rows = []
+    for k in range(20):
+        simulation.step()
+        rows.append([simulation.get_real(f"block::{name}") for name in names])
+print("\\n@" + json.dumps(rows))
+"""
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_of_fmi_3_ecos_shows_the_scalars_with_the_bits_of_fmi_2(block: str, tmp_path: Path) -> None:
+    """It knows no arrays (0.7.2); libcosim (0.0.6) knows no FMI 3.0."""
+    needs(ONES[2])
+    names = [v.name for v in load(block).of("output") if v.type == "real" and not v.shape]
+    seen = []
+    for fmu in (ensure(block), three(block)):
+        command = [sys.executable, "-c", STEPPED]
+        run = subprocess.run(command, input=json.dumps([str(fmu), names]), capture_output=True, text=True, cwd=tmp_path)
+        assert run.returncode == 0, run.stderr[-2000:]
+        seen.append(json.loads(run.stdout.rpartition("\n@")[2]))
+    assert seen[0] == seen[1]
+    assert np.isfinite(seen[0]).all()
 
 
 def _inputs(fmu: Path) -> set[str]:
