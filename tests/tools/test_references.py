@@ -120,7 +120,7 @@ def _typed(value: object, kind: str) -> float | int | bool | str:
     """A value of a table or an SSV as the type of its variable."""
     if kind == "String":
         return str(value)
-    number = float({"true": 1, "false": 0}.get(str(value).lower(), value))  # type: ignore[arg-type]
+    number = float({"true": 1, "false": 0}.get(str(value).lower(), value))
     return number if kind == "Real" else bool(number) if kind == "Boolean" else int(number)
 
 
