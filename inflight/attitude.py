@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,3 +98,27 @@ def attitudes(flight: Flight, field: Floats, field_N: Floats, noise: Noise, face
     bias, scale = bank.bias[best], bank.scale[best]
     covariance, likelihood = bank.P[best][3:, 3:], float(bank.score[best])
     return Attitudes(R, rate, ambiguity, nis, bias, scale, covariance, bank.strain(noise), likelihood)
+
+
+def both_ways(
+    flight: Flight, field: Floats, field_N: Floats, noise: Noise, found: Attitudes
+) -> tuple[Attitudes, float]:
+    """The same filters back from the last row: `found` with their attitudes where its own are not unique, and the rms
+    angle, rad, between both where both are, NaN without such a row.
+
+    The start of one has no part in the other, so two that have converged to different attitudes show. Backwards the
+    rate, and with it its bias, has the opposite sign.
+    """
+    back = replace(flight, t=flight.t[-1] - flight.t[::-1], omega=-flight.omega[::-1])
+    seen = attitudes(back, field[::-1], field_N[::-1], noise)
+    R, rate, ambiguity, unique = seen.R[::-1], -seen.omega[::-1], seen.ambiguity[::-1], seen.unique[::-1]
+    both, own = found.unique & unique, found.unique
+    cosine = 0.5 * (np.einsum("nij,nij->n", found.R[both], R[both]) - 1.0)
+    apart = float(np.sqrt(np.mean(np.arccos(np.clip(cosine, -1.0, 1.0)) ** 2))) if both.any() else np.nan
+    merged = replace(
+        found,
+        R=np.where(own[:, None, None], found.R, R),
+        omega=np.where(own[:, None], found.omega, rate),
+        ambiguity=np.where(own, found.ambiguity, np.where(unique, ambiguity, np.pi)),
+    )
+    return merged, apart

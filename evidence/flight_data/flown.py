@@ -18,36 +18,26 @@ from inflight.magnetometer import Calibration
 from inflight.records import Flight
 from orchestration import run
 
-from .records import COLUMNS, TIME
-
-TESLA = 1e-7
-"""Of the columns' unit, mG."""
+WHOLE = 1e-6
+"""s: the estimator steps at whole seconds, as the rows of these records are."""
 
 
-def scenario(file: Path, orbit: Path, flight: Flight, calibration: Calibration, noise: Noise) -> dict[str, Any]:
+def scenario(file: Path, flight: Flight, calibration: Calibration, noise: Noise) -> dict[str, Any]:
     """The scenario of a record: telemetry and ephemeris in the place of sensors, the magnetometer as calibrated."""
-    field = COLUMNS["b_B_measured"] | {
-        "offset": np.column_stack((calibration.knots, (calibration.bias + calibration.drift) / TESLA)).tolist(),
-        "matrix": calibration.A.tolist(),
-        "gain": np.column_stack((calibration.knots, calibration.gain)).tolist(),
-    }
-    place = {
+    given = {key: calibration.data()[key] for key in ("matrix", "offset", "gain")}
+    ports = {
         f"{name}_measured": {"of": [f"{name}{i}" for i in "123"], "unit": unit}
-        for name, unit in (("r_N", "m"), ("v_N", "m/s"))
+        for name, unit in (("omega_B", "rad/s"), ("b_B", "T"), ("r_N", "m"), ("v_N", "m/s"))
     }
+    measured = {"omega_B_measured": ports.pop("omega_B_measured"), "b_B_measured": ports.pop("b_B_measured") | given}
+    time = {"column": "t", "scale": "elapsed"}
     return {
         "name": "flight_data",
         "step": 1.0,
         "duration": math.ceil(flight.t[-1]),
         "blocks": {
-            "sensors": {
-                "telemetry": {
-                    "file": str(file),
-                    "time": TIME,
-                    "columns": {"omega_B_measured": COLUMNS["omega_B_measured"], "b_B_measured": field},
-                }
-            },
-            "gnss": {"telemetry": {"file": str(orbit), "time": {"column": "t", "scale": "elapsed"}, "columns": place}},
+            "sensors": {"telemetry": {"file": str(file), "time": time, "columns": measured}},
+            "gnss": {"telemetry": {"file": str(file), "time": time, "columns": ports}},
             "estimator": {
                 "fmu": "estimator",
                 "start": {
@@ -77,15 +67,19 @@ def scenario(file: Path, orbit: Path, flight: Flight, calibration: Calibration, 
     }
 
 
-def through_the_estimator(file: Path, flight: Flight, calibration: Calibration, noise: Noise) -> Attitudes:
-    """Its attitudes at the record's rows; ambiguous where it says that its attitude is not valid."""
+def through_the_estimator(flight: Flight, calibration: Calibration, noise: Noise) -> Attitudes | None:
+    """Its attitudes at the record's rows; ambiguous where it says that its attitude is not valid. None where rows are
+    not at whole seconds."""
+    if np.abs(flight.t - np.rint(flight.t)).max() > WHOLE:
+        return None
     with TemporaryDirectory() as folder:
-        orbit = Path(folder, "orbit.csv")
-        with orbit.open("w", newline="", encoding="utf-8") as out:
+        file = Path(folder, "rows.csv")
+        with file.open("w", newline="", encoding="utf-8") as out:
             writer = csv.writer(out, lineterminator="\n")
-            writer.writerow(["t", *(f"{name}{i}" for name in ("r_N", "v_N") for i in "123")])
-            writer.writerows(np.column_stack((flight.t, flight.orbit.r_N, flight.orbit.v_N)).tolist())
-        result = run(scenario(file.resolve(), orbit, flight, calibration, noise))
+            writer.writerow(["t", *(f"{name}{i}" for name in ("omega_B", "b_B", "r_N", "v_N") for i in "123")])
+            orbit = flight.orbit
+            writer.writerows(np.column_stack((flight.t, flight.omega, flight.m, orbit.r_N, orbit.v_N)).tolist())
+        result = run(scenario(file, flight, calibration, noise))
     rows = np.rint(flight.t).astype(int)
     of = {name: result[f"estimator.{name}"][rows] for name in ("R_NB", "omega_B", "nis", "ambiguity", "attitude_valid")}
     bias, scale = (result[f"estimator.{name}"][-1] for name in ("rate_bias_B", "rate_scale_B"))

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from estimator.bank import Noise
+from estimator.bank import UNIQUE, Noise
 from inflight.attitude import Attitudes
 from inflight.magnetometer import calibrate, symmetric
 from inflight.orbit import borders
@@ -27,7 +27,21 @@ from ..plots import BLUE, GREEN, RED, name_axes, panels, save
 from . import spins
 from .flown import through_the_estimator
 from .records import records
-from .study import FALSE, FIT, LONG, WALKS, Free, Shown, air_and_rest, free_motion, likelihoods, long_record, pair, sky
+from .study import (
+    FALSE,
+    FIT,
+    LONG,
+    WALKS,
+    Free,
+    Shown,
+    Sky,
+    air_and_rest,
+    free_motion,
+    likelihoods,
+    long_record,
+    pair,
+    sky,
+)
 
 FIGURE = "flight-data"
 
@@ -37,8 +51,8 @@ class Study:
     """All that the page shows."""
 
     shown: list[Shown]
-    flown: list[Attitudes]
-    """By the shipped estimator in C, with what the calibrations wrote"""
+    flown: list[Attitudes | None]
+    """By the shipped estimator in C, with what the calibrations wrote; None without rows at whole seconds"""
     free: Free | None
     cuts: list[Shown]
     """Parts of each record, calibrated by themselves"""
@@ -60,10 +74,7 @@ def study(folder: Path, cases: int, jobs: int, split: bool) -> Study:
     for i, flight in enumerate(flown):
         others = [k for k in range(len(flown)) if k != i]
         shown.append(long_record(flight, [own[k] for k in others], [flown[k].name for k in others], Noise()))
-    through = [
-        through_the_estimator(folder / f"{s.flight.name}.csv", s.flight, symmetric(s.calibration), Noise())
-        for s in shown
-    ]
+    through = [through_the_estimator(s.flight, symmetric(s.calibration), Noise()) for s in shown]
     parts = cuts(flown) if split else []
     walks = [likelihoods(s) for s in shown] if split else []
     third = free_motion(short[1::3]) if split else None
@@ -128,6 +139,9 @@ def _of_record(s: Shown) -> list[str]:
         f"{name}: attitude {s.attitude.verdict()}; gyro off by at most {s.attitude.strain:.1f} deviations of "
         f"what is known before"
     )
+    if np.isfinite(s.apart):
+        agree = "agree with" if s.apart < UNIQUE else "DO NOT AGREE with"
+        out.append(f"{name}: filters back from the last row {agree} these, {np.degrees(s.apart):.2f} deg rms apart")
     for seen, what in ((s.sky, "three faces"), (s.pair, "two faces, about the third")):
         if seen is not None:
             common = f", {seen.common:.2f} deg of it a turn common to all" if np.isfinite(seen.common) else ""
@@ -137,9 +151,9 @@ def _of_record(s: Shown) -> list[str]:
             )
     if s.sky is None and s.pair is None:
         out.append(f"{name}: no row whose sun sensors can be compared")
-    worst = max((seen.rms for seen in (s.sky, s.pair) if seen is not None), default=0.0)
-    if s.attitude.trusted and worst > FALSE:
-        out.append(f"{name}: FALSE CONVERGENCE that was not reported")
+    out += _false(name, s.attitude, s.sky, s.pair)
+    if not s.edges:
+        out.append(f"{name}: no border of the shadow with currents and a unique attitude around it")
     for edge in s.edges:
         what = "enters the shadow" if edge.entry else "leaves the shadow"
         out.append(
@@ -151,18 +165,26 @@ def _of_record(s: Shown) -> list[str]:
     return out
 
 
+def _false(name: str, found: Attitudes, *seen: Sky | None) -> list[str]:
+    worst = max((each.rms for each in seen if each is not None), default=0.0)
+    return [f"{name}: FALSE CONVERGENCE that was not reported"] if found.trusted and worst > FALSE else []
+
+
 def _of_flown(done: Study) -> list[str]:
     out = []
     for s, found in zip(done.shown, done.flown, strict=True):
-        for seen, what in (
-            (sky(s.flight, found)[0], "three faces"),
-            (pair(s.flight, found), "two faces"),
-        ):
-            if seen is not None:
-                out.append(
-                    f"{s.flight.name}: estimator in C, {what}: {seen.rms:.2f} deg rms, {seen.median:.2f} "
-                    f"median, {seen.rows} rows"
-                )
+        name = f"{s.flight.name}: estimator in C"
+        if found is None:
+            out.append(f"{name}: not flown, its rows are not at whole seconds")
+            continue
+        seen = (sky(s.flight, found)[0], pair(s.flight, found))
+        out.append(f"{name}: attitude {found.verdict()}")
+        out += [
+            f"{name}, {what}: {each.rms:.2f} deg rms, {each.median:.2f} median, {each.rows} rows"
+            for each, what in zip(seen, ("three faces", "two faces"), strict=True)
+            if each is not None
+        ]
+        out += _false(name, found, *seen)
     return out
 
 
@@ -235,7 +257,9 @@ def fields(done: Study) -> dict[str, Any]:
     free = done.free
     told = of_spins(done.spins)
     parts = [(s.flight.name, both) for s in done.shown if (both := air_and_rest(s.edges)) is not None]
-    through = [(sky(s.flight, a)[0], pair(s.flight, a)) for s, a in zip(done.shown, done.flown, strict=True)]
+    through = [
+        (sky(s.flight, a)[0], pair(s.flight, a)) for s, a in zip(done.shown, done.flown, strict=True) if a is not None
+    ]
     wrong = [spins.counted(cases)["wrong, not reported"] for cases in done.spins.values()]
     counts = [
         [what, *(str(n) for n in spins.counted(cases).values()), f"{spins.largest_trusted(cases):.1f}"]

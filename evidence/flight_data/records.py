@@ -1,70 +1,101 @@
-"""The records of a folder: every CSV file with the columns of the public data; one with a column `sheet` holds
-several."""
+"""The records of a folder: every CSV or Parquet file, with the columns of the public data or those of `columns.yaml`;
+one with a column `sheet` holds several."""
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from inflight.nutation import Motion
 from inflight.orbit import read_elements
 from inflight.records import Flight, flight
 from orchestration import InputError
 from orchestration.errors import Place, naming
-from orchestration.scenario.telemetry import Telemetry
+from orchestration.quantities import parse_unit
+from orchestration.scenario import complaints, text
+from orchestration.scenario.telemetry import Column, Telemetry, TimeColumn
+from orchestration.scenario.types import Model
 from orchestration.telemetry.record import Record
-from orchestration.telemetry.rows import header_of
+from orchestration.telemetry.rows import blocks, header_of
 
 Floats = NDArray[np.float64]
-COLUMNS: dict[str, dict[str, Any]] = {
-    "omega_B_measured": {"of": ["gyro_x", "gyro_y", "gyro_z"], "unit": "deg/s"},
-    "b_B_measured": {"of": ["mag_x", "mag_y", "mag_z"], "unit": "mG"},
-    "sun_currents": {"of": ["sun2", "sun3", "sun4"]},
-}
-"""Currents of the faces -y, -x and -z; a file may be without them."""
 SUN = "sun_currents"
-TIME = {"column": "unix_s", "scale": "UTC", "epoch": "1970-01-01T00:00:00.5"}
-"""A clock that counts whole seconds is half a second late on average."""
+"""Currents of the faces -y, -x and -z; a file may be without them."""
 NORMALS = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
+COLUMNS, NAMED = "columns.yaml", ("omega_B_measured", "b_B_measured")
+
+
+def _public() -> dict[str, Column]:
+    return {
+        NAMED[0]: Column(of=["gyro_x", "gyro_y", "gyro_z"], unit="deg/s"),
+        NAMED[1]: Column(of=["mag_x", "mag_y", "mag_z"], unit="mG"),
+        SUN: Column(of=["sun2", "sun3", "sun4"]),
+    }
+
+
+class Layout(Model):
+    """What the columns of a folder's files are, in its file `columns.yaml`; by default those of the public data."""
+
+    time: TimeColumn = TimeColumn(column="unix_s", scale="UTC", epoch="1970-01-01T00:00:00.5")
+    """A clock that counts whole seconds is half a second late on average."""
+    columns: Annotated[dict[str, Column], Field(default_factory=_public)]
+    record: str = "sheet"
+    """The column that tells the records of a file apart, where there is one."""
 
 
 def records(folder: Path, long: float) -> tuple[list[Flight], list[Motion]]:
     """Returns the flights of a folder that last at least `long` s, and the rates of the shorter ones; its .txt files
     hold element sets. Raises InputError."""
-    files = sorted(folder.glob("*.csv"))
+    files = sorted(path for path in folder.iterdir() if path.suffix in (".csv", ".parquet"))
     texts = [path for path in sorted(folder.glob("*.txt")) if "\n1 " in "\n" + path.read_text("utf-8", "replace")]
     elements = [s for path in texts for s in read_elements(path)]
     if not files or not elements:
         raise InputError(
-            f"--data {folder}: expected .csv files and a .txt file of element sets, found {len(files)} .csv"
+            f"--data {folder}: expected .csv or .parquet files and a .txt file of element sets, found {len(files)} "
+            f"and {len(elements)} element sets"
         )
+    layout = _layout(folder / COLUMNS)
     flown: list[Flight] = []
     short: list[Motion] = []
     for path in files:
-        for name, record, rows in _of(path):
+        for name, record, rows in _of(path, layout):
             rate, both = (rows[np.isfinite(rows[:, 1:end]).all(axis=1)] for end in (4, 7))
             if len(both) >= 300 and np.ptp(both[:, 0]) >= long and np.ptp(both[:, 0]) < 20 * len(both):
                 with naming(Place(path.name)):
                     flown.append(flight(name, record, rows, elements))
             elif len(rate) >= 10:
-                short.append(Motion(name, rate[:, 0] - rate[0, 0], np.radians(rate[:, 1:4])))
+                factor = parse_unit(layout.columns[NAMED[0]].unit).factor
+                short.append(Motion(name, rate[:, 0] - rate[0, 0], factor * rate[:, 1:4]))
     return flown, short
 
 
-def _of(path: Path) -> Iterator[tuple[str, Record, Floats]]:
+def _layout(path: Path) -> Layout:
+    if not path.exists():
+        return Layout()
+    source = text.read(path)
+    layout = complaints.checked(Layout, source)
+    for name, size in (*zip(NAMED, (3, 3), strict=True), (SUN, len(NORMALS))):
+        found = layout.columns.get(name)
+        if (found is None and name != SUN) or (found is not None and found.shape != (size,)):
+            raise InputError(source.error(("columns",), f"expected {name} of {size} columns"))
+    columns = {name: layout.columns[name] for name in (*NAMED, SUN) if name in layout.columns}
+    return layout.model_copy(update={"columns": columns})
+
+
+def _of(path: Path, layout: Layout) -> Iterator[tuple[str, Record, Floats]]:
+    header = header_of(path, path.name)
+    there = header.places.keys()
+    columns = {n: column for n, column in layout.columns.items() if n != SUN or there & set(column.cells)}
     where: list[dict[str, str]] = [{}]
-    there = header_of(path, path.name).places
-    columns = {name: column for name, column in COLUMNS.items() if name != SUN or there.keys() & set(column["of"])}
-    if "sheet" in there:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = csv.DictReader(line for line in file if not line.startswith("#"))
-            where = [{"sheet": name} for name in dict.fromkeys(row["sheet"] for row in rows)]
+    if layout.record in there:
+        names = dict.fromkeys(cell for block in blocks(path, header, [layout.record]) for cell in block.columns[0])
+        where = [{layout.record: name} for name in names]
     for chosen in where:
-        entry = {"file": path.name, "time": TIME, "columns": columns, "where": chosen, "disordered": "sorted"}
-        record = Record(Telemetry.model_validate(entry), path, path.name)
-        yield chosen.get("sheet", path.stem), record, np.concatenate(list(record.stream()))
+        entry: dict[str, Any] = {"file": path.name, "time": layout.time, "columns": columns, "where": chosen}
+        record = Record(Telemetry.model_validate(entry | {"disordered": "sorted"}), path, path.name)
+        yield chosen.get(layout.record, path.stem), record, np.concatenate(list(record.stream()))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from estimator.bank import Noise, earths_light, exp
-from inflight.attitude import LIGHT, Attitudes, attitudes
+from inflight.attitude import LIGHT, Attitudes, attitudes, both_ways
 from inflight.magnetometer import Calibration, calibrate, symmetric
 from inflight.nutation import Inertia, Motion, forecast, identify, starting
 from inflight.orbit import borders
@@ -165,6 +165,8 @@ class Shown:
     crossed: dict[str, float]
     """|B| rms, T, with matrix and bias of other records and the own gain"""
     attitude: Attitudes
+    apart: float
+    """rad rms between the filters' attitudes and those back from the last row"""
     sky: Sky | None
     pair: Sky | None
     edges: list[Edge]
@@ -179,10 +181,12 @@ def long_record(flight: Flight, others: list[Calibration], names: list[str], noi
     crossed = {
         n: calibrate(flight.t, flight.m, size, known=c, breaks=edge).rms for n, c in zip(names, others, strict=True)
     }
-    found = attitudes(flight, symmetric(own).field(flight.t, flight.m), field_N, noise)
+    field = symmetric(own).field(flight.t, flight.m)
+    found = attitudes(flight, field, field_N, noise)
+    merged, apart = both_ways(flight, field, field_N, noise, found)
     constant = calibrate(flight.t, flight.m, size, interval=1e9).rms
     three, two = sky(flight, found)[0], pair(flight, found)
-    return Shown(flight, own, constant, crossed, found, three, two, edges(flight, found))
+    return Shown(flight, own, constant, crossed, found, apart, three, two, edges(flight, merged))
 
 
 WALKS = (1e-6, 3e-6, 1e-5, 3e-5, 1e-4)

@@ -1,19 +1,27 @@
 """The bank finds the attitude from any start and gyro scale, and reports what fits as well."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from estimator.bank import Noise, exp, right_jacobian
 from evidence.flight_data.synthetic import FACES, angle, spinning
-from inflight.attitude import attitudes
+from inflight.attitude import attitudes, both_ways
 from inflight.gyro import spin
 
 NOISE = Noise(field=5e-7)
 
 
-def test_field_and_gyro_find_the_attitude_through_a_wrong_scale_and_bias():
+@pytest.fixture(scope="module")
+def flown():
+    """A spin with a wrong scale and bias, and its attitudes."""
     flight, R, B, omega = spinning(5, 1000, scale=0.012, bias=(0.02, 0.0, -0.01))
-    found = attitudes(flight, flight.m, B, NOISE)
+    return flight, R, B, omega, attitudes(flight, flight.m, B, NOISE)
+
+
+def test_field_and_gyro_find_the_attitude_through_a_wrong_scale_and_bias(flown):
+    flight, R, _, omega, found = flown
     assert found.unique.any(), found.verdict()
     assert np.degrees(angle(R, found.R)[-300:]).max() < 5.0
     seen = spin(flight, found, NOISE)
@@ -21,6 +29,20 @@ def test_field_and_gyro_find_the_attitude_through_a_wrong_scale_and_bias():
     true = (flight.omega.mean(axis=0) - omega) @ axis
     assert abs(seen.along - true) < 1e-3  # rad/s, of 0.013
     assert seen.along_sigma < 5e-4
+
+
+def test_filters_back_from_the_last_row_tell_the_first_attitudes_and_one_that_they_do_not_agree_with(flown):
+    flight, R, B, omega, found = flown
+    assert not found.unique[0]
+    merged, apart = both_ways(flight, flight.m, B, NOISE, found)
+    assert merged.unique.all()
+    off = np.degrees(angle(R, merged.R))
+    assert off[:100].max() < 3.0
+    assert off.max() < 10.0  # where they begin to be unique
+    np.testing.assert_allclose(merged.omega.mean(axis=0), omega, atol=2e-3)
+    assert np.degrees(apart) < 3.0
+    turned = replace(found, R=found.R @ exp(np.array([[0.0, 0.5, 0.0]]))[0])
+    assert both_ways(flight, flight.m, B, NOISE, turned)[1] == pytest.approx(0.5, abs=0.1)
 
 
 def test_an_attitude_that_is_called_unique_is_right_and_one_that_is_wrong_is_reported():

@@ -5,7 +5,9 @@ import csv
 from dataclasses import replace
 
 import numpy as np
+import pyarrow as pa
 import pytest
+from pyarrow import parquet
 
 from evidence.flight_data.records import records
 from evidence.flight_data.study import edges, pair, sky
@@ -61,6 +63,37 @@ def test_a_folder_of_records_is_read_whatever_their_names(tmp_path):
     np.testing.assert_allclose(np.degrees(short[0].omega[0]), [1, 2, 3])
 
 
+RENAMED = """
+time: {column: when, scale: UTC}
+columns:
+  omega_B_measured: {of: [wx, wy, wz], unit: rad/s}
+  b_B_measured: {of: [bx, by, bz], unit: uT}
+record: pass
+"""
+
+
+def test_parquet_with_other_columns_units_and_no_sun_sensors_is_read_by_columns_yaml(tmp_path):
+    (tmp_path / "elements.txt").write_text(TLE)
+    (tmp_path / "columns.yaml").write_text(RENAMED)
+    n = 700
+    rows = {name: np.sin(np.arange(n) + k) for k, name in enumerate(("wx", "wy", "wz", "bx", "by", "bz"))}
+    table = pa.table({"pass": ["one"] * n, "when": np.arange(n) + 1693838903.0} | rows)
+    parquet.write_table(table, tmp_path / "kept.parquet")
+    (flight,), short = records(tmp_path, 600.0)
+    assert (flight.name, flight.currents.shape) == ("one", (n, 0))
+    assert not short
+    np.testing.assert_allclose(flight.omega[:, 0], rows["wx"])
+    np.testing.assert_allclose(flight.m[:, 2], 1e-6 * rows["bz"])
+
+
+def test_a_layout_of_two_rates_is_refused_with_its_line(tmp_path):
+    (tmp_path / "elements.txt").write_text(TLE)
+    (tmp_path / "some.csv").write_text("t\n1\n")
+    (tmp_path / "columns.yaml").write_text(RENAMED.replace("[wx, wy, wz]", "[wx, wy]"))
+    with pytest.raises(InputError, match=r"columns.yaml:\d+: columns: expected omega_B_measured of 3 columns"):
+        records(tmp_path, 600.0)
+
+
 def test_a_folder_without_records_is_refused(tmp_path):
-    with pytest.raises(InputError, match="expected .csv files and a .txt file of element sets"):
+    with pytest.raises(InputError, match="expected .csv or .parquet files and a .txt file of element sets"):
         records(tmp_path, 600.0)
