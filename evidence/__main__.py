@@ -140,9 +140,9 @@ def flight(jobs: int, cases: int, page: bool) -> None:
     "--runs", default=200, show_default=True, type=click.IntRange(2, 10000), help="Tumbles for the consistency."
 )
 def estimator(jobs: int, runs: int) -> None:
-    """The tables of docs/evidence/estimation.md, and its figures; half a minute.
+    """The tables of docs/evidence/estimation.md, and its figures; a minute and a half of a core.
 
-    Needs the package ahrs (pip install ahrs).
+    Needs the package ahrs (pip install '.[measures]').
     """
     for shown in estimates.make(runs, jobs):
         Console().print(shown)
@@ -187,7 +187,7 @@ def rival(jobs: int, cases: int) -> None:
     "--data",
     required=True,
     type=click.Path(path_type=Path, exists=True, file_okay=False),
-    help="A folder of the public records (CSV) and their element sets (.txt).",
+    help="A folder of records (CSV or Parquet) and element sets (.txt); columns.yaml names other columns.",
 )
 @click.option("--cases", default=0, show_default=True, type=click.IntRange(0, 10000), help="Synthetic spins, too.")
 @click.option(

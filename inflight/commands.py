@@ -20,13 +20,13 @@ from orchestration import InputError
 from orchestration.cli.console import say, say_table
 from orchestration.cli.help import examples
 from orchestration.errors import writing
-from orchestration.quantities import SECOND, QuantityError, value_in
+from orchestration.quantities import SECOND, QuantityError, parse_unit, value_in
 from plant.time_scales import parse_epoch
 
 from .attitude import attitudes
 from .gyro import spin
 from .magnetometer import Calibration, calibrate, symmetric
-from .nutation import Motion, forecast, identify, starting
+from .nutation import Motion, forecast, identify, left_out, starting
 from .orbit import borders, followed, orbit_at, read_elements
 from .records import Flight, read
 
@@ -69,7 +69,7 @@ def magnetometer(ctx: click.Context, file: Path, known: Path | None, out: Path |
     """
     flight = read(file)
     found = _calibrated(flight, None if known is None else _known(known))
-    data = found.data()
+    data = found.data(flight.field_unit)
     say(
         f"{flight.name}: {len(flight.t)} rows over {np.ptp(flight.t):.0f} s, |B| rms {1e6 * found.rms:.2f} uT",
         bold=True,
@@ -83,7 +83,7 @@ def magnetometer(ctx: click.Context, file: Path, known: Path | None, out: Path |
     say_table(("b in uT", "value", "sigma", "verdict"), rows)
     if len(found.gain) > 1:
         say(f"gain {found.gain.min():.4f} to {found.gain.max():.4f} over {len(found.gain)} knots")
-    _write(out, data | {"estimator": {"field_noise": found.rms, "field_bias_sigma": float(found.sigma[6:9].max())}})
+    _write(out, data)
     ctx.exit(0 if known is not None or set(data["verdict"].values()) == {"shown"} else NOT_SHOWN)
 
 
@@ -122,7 +122,8 @@ def gyro(ctx: click.Context, file: Path, known: Path | None, out: Path | None) -
 def identify_(ctx: click.Context, files: tuple[Path, ...], fit_: str, out: Path | None) -> None:
     """Identify ratios of inertia from free motion.
 
-    Forecasts the rest of each record. Exit status 1 where the records do not show the ratios.
+    Forecasts the rest of each record, also with the inertia that the other records show. Exit status 1 where the
+    records do not show the ratios.
     """
     try:
         end = value_in(fit_, SECOND)
@@ -139,12 +140,14 @@ def identify_(ctx: click.Context, files: tuple[Path, ...], fit_: str, out: Path 
         f"{np.degrees(found.rms):.4f} deg/s"
     )
     rows = []
-    for motion, part in zip(motions, early, strict=True):
+    for i, (motion, part) in enumerate(zip(motions, early, strict=True)):
         late = motion.t - motion.t[0] > end
         if late.any():
-            off = forecast(motion, found, starting(part, found))[late] - motion.omega[late]
-            rows.append((motion.name, f"{np.degrees(np.sqrt(np.mean(off**2))):.4f}", str(int(late.sum()))))
-    say_table(("forecast", "rms, deg/s", "rows"), rows)
+            bodies = [found, *([left_out(early, found, i)] if len(early) > 1 else [])]
+            ahead = [forecast(motion, body, starting(part, body))[late] - motion.omega[late] for body in bodies]
+            rms = [f"{np.degrees(np.sqrt(np.mean(off**2))):.4f}" for off in ahead]
+            rows.append((motion.name, rms[0], rms[1] if len(rms) > 1 else "-", str(int(late.sum()))))
+    say_table(("forecast", "rms, deg/s", "with the inertia of the other records", "rows"), rows)
     say_table(("", "verdict"), list(data["verdict"].items()))
     _write(out, data)
     ctx.exit(0 if data["verdict"]["ratios"] == "shown" else NOT_SHOWN)
@@ -212,10 +215,13 @@ def _known(path: Path) -> Calibration:
         A, offset, gain = (np.array(data[key], float) for key in ("matrix", "offset", "gain"))
         if A.shape != (3, 3) or offset.shape != (len(gain), 4) or gain.shape[1] != 2:
             raise ValueError("shapes")
+        offset[:, 1:] *= parse_unit(data["unit"]).factor
     except (OSError, ValueError, KeyError, TypeError):
         raise InputError(f"{path}: expected what 'orchestrate calibrate magnetometer --out' writes") from None
     bias = offset[:, 1:].mean(axis=0)
     covariance = np.zeros((9 + 4 * len(gain),) * 2)
+    upper = np.linalg.qr(A)[1]
+    A = upper * np.sign(np.diag(upper))[:, None]
     return Calibration(A, bias, gain[:, 0], gain[:, 1], offset[:, 1:] - bias, covariance, math.nan, np.empty(0))
 
 

@@ -60,6 +60,7 @@ class Spin:
                 "bias across the spin and tilt of the magnetometer apart": "not shown",
                 "attitude": self.attitude,
             },
+            "sensors": {"rate_bias_B": self.bias.tolist(), "rate_scale": np.diag(self.scale).tolist()},
             "estimator": {
                 "angle_random_walk": noise.angle,
                 "rate_random_walk": noise.bias_walk,

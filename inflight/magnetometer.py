@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from orchestration.quantities import parse_unit
+
 Floats = NDArray[np.float64]
 
 KNOT_INTERVAL = 300.0
@@ -74,12 +76,18 @@ class Calibration:
             n: "shown" if s < SHOWN else "weak" if s < 0.7 else "not shown" for n, s in zip(NAMES, share, strict=True)
         }
 
-    def data(self) -> dict[str, Any]:
-        """For JSON and YAML; `matrix`, `offset` and `gain` are those of a column of telemetry in T."""
+    def data(self, unit: str = "T") -> dict[str, Any]:
+        """For JSON and YAML; `matrix`, `offset` and `gain` are those of a column of telemetry in this unit, with A as
+        `symmetric` has it; `sensors` and `estimator` are what those blocks take, with the gain at its mean."""
+        A, offset = symmetric(self).A, (self.bias + self.drift) / parse_unit(unit).factor
+        sensors = {"field_bias_B": self.bias.tolist(), "field_scale": (np.linalg.inv(A) - np.eye(3)).tolist()}
         return {
-            "matrix": self.A.tolist(),
-            "offset": np.column_stack((self.knots, self.bias + self.drift)).tolist(),
+            "unit": unit,
+            "matrix": A.tolist(),
+            "offset": np.column_stack((self.knots, offset)).tolist(),
             "gain": [[float(t), float(g)] for t, g in zip(self.knots, self.gain, strict=True)],
+            "sensors": sensors | {"field_noise": self.rms},
+            "estimator": {"field_noise": self.rms, "field_bias_sigma": float(self.sigma[6:9].max())},
             "sigma": dict(zip(NAMES, self.sigma[:9].tolist(), strict=True)),
             "gain_sigma": self.sigma[9 : 9 + len(self.knots)].tolist(),
             "covariance": self.covariance.tolist(),

@@ -137,6 +137,12 @@ def identify(motions: Sequence[Motion], first: Inertia | None = None, rounds: in
     return Inertia(p, np.asarray(np.linalg.inv(N), float)[:COMMON, :COMMON], x, rms, amplitude)
 
 
+def left_out(motions: Sequence[Motion], whole: Inertia, i: int) -> Inertia:
+    """What all records but that of number i show; `whole` is what all show, where the fit begins."""
+    rest = [motion for k, motion in enumerate(motions) if k != i]
+    return identify(rest, replace(whole, starts=np.delete(whole.starts, i, 0)), 3)
+
+
 def starting(motion: Motion, known: Inertia) -> Floats:
     """The rate (3,) at the start of a record whose body is known."""
     x = motion.omega[:8].mean(axis=0)

@@ -57,13 +57,15 @@ class Flight:
     """(n, faces); NaN where there is none; (n,0) without photodiodes"""
     orbit: Orbit
     notes: list[str]
+    field_unit: str = "T"
+    """That of the magnetometer's column in the log"""
 
     def part(self, chosen: NDArray[np.bool_]) -> Flight:
         """Some of its rows."""
         o = self.orbit
         orbit = Orbit(o.epoch, o.t[chosen], o.r_N[chosen], o.v_N[chosen], o.age)
         rows = (self.t[chosen], self.omega[chosen], self.m[chosen], self.currents[chosen])
-        return Flight(self.name, *rows, orbit, self.notes)
+        return Flight(self.name, *rows, orbit, self.notes, self.field_unit)
 
 
 def read(path: Path) -> Flight:
@@ -114,6 +116,7 @@ def flight(name: str, record: Record, rows: Floats, sets: list[Any]) -> Flight:
         currents,
         orbit,
         record.seen.notes(),
+        record.entry.columns["b_B_measured"].unit,
     )
 
 

@@ -24,7 +24,7 @@ HOLD = 2500.0
 def make(runs: int, jobs: int, folder: Path = ROOT / "docs" / "figures") -> list[Table]:
     """The tables; the figures go to the folder. Raises InputError where the package ahrs is missing."""
     if find_spec("ahrs") is None:
-        raise InputError("the package ahrs is not installed; remedy: pip install ahrs")
+        raise InputError("the package ahrs is not installed; remedy: pip install '.[measures]'")
     with crew(jobs) as hands:
         flown = {
             tracker: hands.each(name, consistency.measured, [(i, tracker) for i in range(runs)])

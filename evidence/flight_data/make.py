@@ -139,7 +139,9 @@ def _of_record(s: Shown) -> list[str]:
         f"{name}: attitude {s.attitude.verdict()}; gyro off by at most {s.attitude.strain:.1f} deviations of "
         f"what is known before"
     )
-    if np.isfinite(s.apart):
+    if np.isnan(s.apart):
+        out.append(f"{name}: filters back from the last row are unique in no row of these")
+    else:
         agree = "agree with" if s.apart < UNIQUE else "DO NOT AGREE with"
         out.append(f"{name}: filters back from the last row {agree} these, {np.degrees(s.apart):.2f} deg rms apart")
     for seen, what in ((s.sky, "three faces"), (s.pair, "two faces, about the third")):

@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 from estimator.bank import Noise, earths_light, exp
 from inflight.attitude import LIGHT, Attitudes, attitudes, both_ways
 from inflight.magnetometer import Calibration, calibrate, symmetric
-from inflight.nutation import Inertia, Motion, forecast, identify, starting
+from inflight.nutation import Inertia, Motion, forecast, identify, left_out, starting
 from inflight.orbit import borders
 from inflight.records import Flight
 
@@ -224,10 +224,7 @@ def free_motion(motions: Sequence[Motion]) -> Free | None:
     whole = identify(early)
     rows = []
     for i, (motion, part) in enumerate(zip(chosen, early, strict=True)):
-        rest = [m for k, m in enumerate(early) if k != i]
-        without = identify(
-            rest, Inertia(whole.p, whole.covariance, np.delete(whole.starts, i, 0), whole.rms, whole.amplitude), 3
-        )
+        without = left_out(early, whole, i)
         late = motion.t > FIT
         measured = motion.omega[late]
         ahead = [forecast(motion, known, starting(part, known))[late] for known in (whole, without)]

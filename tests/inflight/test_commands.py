@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from evidence.flight_data.synthetic import spinning
+from inflight.records import read
 from tests.commands import orchestrate
 
 from .test_orbit import TLE
@@ -38,8 +39,29 @@ def test_a_magnetometer_is_calibrated_and_its_result_is_taken_again(log):
     assert "|B| rms 0." in done.output
     data = json.loads((log.parent / "m.json").read_text())
     assert set(data) >= {"matrix", "offset", "gain", "covariance", "verdict", "estimator"}
-    again = orchestrate("calibrate", "magnetometer", log, "--known", "m.json")
+    again = orchestrate("calibrate", "magnetometer", log, "--known", "m.json", "--out", "again.json")
     assert again.exit_code == 0
+    same = json.loads((log.parent / "again.json").read_text())
+    np.testing.assert_allclose(same["matrix"], data["matrix"], atol=1e-9)
+    assert same["rms"] < 1.1 * data["rms"]
+
+
+def test_a_calibration_as_it_is_written_makes_the_size_of_the_column_that_of_the_field(log):
+    orchestrate("calibrate", "magnetometer", log, "--out", "m.json")
+    data = json.loads((log.parent / "m.json").read_text())
+    entry = yaml.safe_load(log.read_text())
+    entry["telemetry"]["columns"]["b_B_measured"] |= {key: data[key] for key in ("matrix", "offset", "gain", "unit")}
+    log.write_text(yaml.safe_dump(entry))
+    flight = read(log)
+    size = np.linalg.norm(flight.orbit.field_N(), axis=1)
+    assert np.std(np.linalg.norm(flight.m, axis=1) - size) < 5e-7
+    model = (np.eye(3) + data["sensors"]["field_scale"]) @ np.array(data["matrix"])
+    np.testing.assert_allclose(model, np.eye(3), atol=1e-12)
+
+
+def test_records_that_nutate_are_forecast_with_the_inertia_of_the_others(log):
+    done = orchestrate("identify", log, log, "--fit", "30 s")
+    assert "with the inertia of the other records" in " ".join(done.output.split())
 
 
 def test_a_gyro_is_calibrated_by_a_spin(log):
