@@ -30,12 +30,11 @@ NORMALS = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 COLUMNS, NAMED = "columns.yaml", ("omega_B_measured", "b_B_measured")
 
 
-def _public() -> dict[str, Column]:
-    return {
-        NAMED[0]: Column(of=["gyro_x", "gyro_y", "gyro_z"], unit="deg/s"),
-        NAMED[1]: Column(of=["mag_x", "mag_y", "mag_z"], unit="mG"),
-        SUN: Column(of=["sun2", "sun3", "sun4"]),
-    }
+_PUBLIC = {
+    NAMED[0]: {"of": ["gyro_x", "gyro_y", "gyro_z"], "unit": "deg/s"},
+    NAMED[1]: {"of": ["mag_x", "mag_y", "mag_z"], "unit": "mG"},
+    SUN: {"of": ["sun2", "sun3", "sun4"]},
+}
 
 
 class Layout(Model):
@@ -43,7 +42,7 @@ class Layout(Model):
 
     time: TimeColumn = TimeColumn(column="unix_s", scale="UTC", epoch="1970-01-01T00:00:00.5")
     """A clock that counts whole seconds is half a second late on average."""
-    columns: Annotated[dict[str, Column], Field(default_factory=_public)]
+    columns: Annotated[dict[str, Column], Field(min_length=1)]
     record: str = "sheet"
     """The column that tells the records of a file apart, where there is one."""
 
@@ -76,7 +75,7 @@ def records(folder: Path, long: float) -> tuple[list[Flight], list[Motion]]:
 
 def _layout(path: Path) -> Layout:
     if not path.exists():
-        return Layout()
+        return Layout.model_validate({"columns": _PUBLIC})
     source = text.read(path)
     layout = complaints.checked(Layout, source)
     for name, size in (*zip(NAMED, (3, 3), strict=True), (SUN, len(NORMALS))):
