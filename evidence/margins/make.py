@@ -20,13 +20,24 @@ from orchestration.margins.search import Change, lost, pulse_dies_out
 from orchestration.system.wiring import Node
 
 from ..paper import ROOT
-from .cases import CASES, PLANNED, along_orbit, equilibrium, multiplied, multipliers, opened
+from .cases import (
+    CASES,
+    PLANNED,
+    USUAL,
+    along_orbit,
+    at_place,
+    equilibrium,
+    multiplied,
+    multipliers,
+    opened,
+    whole_orbit,
+)
 
 KEPT = ROOT / "docs" / "evidence" / "margins.json"
-PLACES = tuple(range(0, 360, 45))
-"""Angles from the ascending node at which a flight starts, deg."""
-LONG, DELAYS = 2000, (2.0, 3.0, 4.0, 5.0)
-"""Samples of 0.5 s that the planned hold is looked at with a delay, and delays, s."""
+LONG, DELAYS = 2000, (7.0, 8.0, 9.0, 10.0)
+"""Samples of 0.5 s that the planned hold flies with a delay, and delays, s."""
+GAINS = ("plant.J_B", "controller.bandwidth")
+"""Parameters whose effect on the largest multiplier of an orbit is measured."""
 TURNS = (1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)
 CHANGES = ("delay=0..20", "gain=1..0.02", "plant.J_B=1..30", "plant.rod_gain=1..0.05")
 
@@ -43,7 +54,7 @@ def lost_by_delay(place: int = 0) -> dict[str, Any]:
     """Returns between which delays, s, the planned hold is lost in flights, and the multipliers with these delays."""
     session, rig = opened(CASES[PLANNED], place)
     with session:
-        found = {d: multipliers(multiplied(rig, LONG, d)) for d in DELAYS}
+        found = {d: multipliers(multiplied(rig, delay=d)) for d in DELAYS}
         flown = {d: _worst_error(rig, d) for d in DELAYS}
     return {"delays": list(DELAYS), "multipliers": list(found.values()), "errors": list(flown.values())}
 
@@ -73,18 +84,21 @@ def make(jobs: int, cases: Sequence[str], places: Sequence[int]) -> None:
     kept = json.loads(KEPT.read_text("utf-8")) if KEPT.exists() else {"places": []}
     rows = {(row["case"], row["place"]): row for row in kept["places"] if row["case"] in CASES}
     with ProcessPoolExecutor(jobs) as pool:
-        waits: dict[Any, Any] = {pool.submit(along_orbit, name, place): None for name in cases for place in places}
+        waits: dict[Any, Any] = {pool.submit(along_orbit, name): None for name in cases if CASES[name].reason}
+        once = [name for name in cases if not CASES[name].reason]
+        waits |= {pool.submit(at_place, name, place): None for name in once for place in places}
         if set(cases) == set(CASES):
             waits |= {pool.submit(equilibrium, turn, place): "equilibria" for turn in TURNS for place in places[::2]}
             waits |= {pool.submit(searched): "changes", pool.submit(lost_by_delay): "delay"}
-            kept["equilibria"] = []
+            waits |= {pool.submit(whole_orbit, PLANNED): "orbits", pool.submit(whole_orbit, USUAL, GAINS): "orbits"}
+            kept |= {"equilibria": [], "orbits": []}
         for done in as_completed(waits):
             key, result = waits[done], done.result()
             if key is None:
-                rows[result["case"], result["place"]] = result
+                rows |= {(row["case"], row["place"]): row for row in result}
                 kept["places"] = [rows[at] for at in sorted(rows)]
-            elif key == "equilibria":
-                kept["equilibria"].append(result)
+            elif isinstance(kept.get(key), list) and key != "changes":
+                kept[key].append(result)
             else:
                 kept[key] = result
             KEPT.write_text(json.dumps(kept, indent=1) + "\n", "utf-8")

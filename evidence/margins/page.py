@@ -11,8 +11,8 @@ from typing import Any
 from .. import plots
 from ..markdown import render
 from ..paper import ORBIT, ROOT
-from .cases import CASES, PLANNED
-from .make import KEPT, PLACES
+from .cases import CASES, PLACES, PLANNED
+from .make import KEPT
 
 PAGE = ROOT / "docs" / "evidence" / "margins.md"
 ABOUT = {(1, 1, 1): "aligned", (-1, -1, 1): "half a turn about z", (-1, 1, -1): "about y", (1, -1, -1): "about x"}

@@ -8,11 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import click
+import numpy as np
 
 from ..errors import InputError, Place, Problem, writing
+from ..margins.block import BlockModel, linearized
 from ..margins.floquet import PULSE, SEGMENT, UNSEEN, Repeated, coordinates
 from ..margins.inject import Rig
-from ..margins.linear import realized
+from ..margins.linear import Linear, realized
 from ..margins.measure import LONGEST, measure
 from ..margins.report import HEADER, Found
 from ..margins.search import Change, expectations_are_met, lost, pulse_dies_out
@@ -36,11 +38,13 @@ from .status import EXPECTATION_FAILED
         "orchestrate margins loop.yaml --at allocator.tau_cmd_B",
         "orchestrate margins loop.yaml --at plant.wheel_torque_cmd --when '3000 s' --out results/margins",
         "orchestrate margins loop.yaml --at plant.wheel_torque_cmd --change delay=0..20 --change plant.J_B=1..5",
+        "orchestrate margins loop.yaml --model plant --state plant.R_NB --state plant.omega_B",
     ),
 )
 @click.argument("scenario", type=PATH)
 @changes("swaps", "maps", "sets", "step", "flavour")
-@click.option("--at", "ports", multiple=True, required=True, metavar="BLOCK.PORT", help="Where the loop is opened.")
+@click.option("--at", "ports", multiple=True, metavar="BLOCK.PORT", help="Where the loop is opened.")
+@click.option("--model", metavar="BLOCK", help="Give the linear model of this block instead of margins.")
 @click.option("--when", metavar="T", help="When the injection begins; default: the scenario's duration.")
 @click.option("--window", metavar="T", help="Longest time that is looked at after a pulse.")
 @click.option(
@@ -61,7 +65,7 @@ from .status import EXPECTATION_FAILED
 @click.option("--orbit", metavar="T", help="Period of the motion: gives Floquet multipliers instead of margins.")
 @click.option("--piece", metavar="T", help="Length of a piece of the period; for --orbit; default: 200 samples.")
 @click.option(
-    "--state", "states", multiple=True, metavar="BLOCK.PORT", help="An output that is the state; for --orbit."
+    "--state", "states", multiple=True, metavar="BLOCK.PORT", help="An output that is the state; for --orbit, --model."
 )
 @click.option(
     "--sensitivity",
@@ -78,6 +82,7 @@ def command(
     scenario: Path,
     change: Changes,
     ports: tuple[str, ...],
+    model: str | None,
     when: str | None,
     window: str | None,
     changed: tuple[str, ...],
@@ -91,7 +96,7 @@ def command(
 ) -> None:
     """Measure the stability margins of a loop.
 
-    Or its Floquet multipliers (--orbit).
+    Or its Floquet multipliers (--orbit), or the linear model of a block (--model).
 
     Small sines are added to the signal at BLOCK.PORT, an input (for it alone) or an output (for all that it feeds), and
     what comes back is compared with a flight without them. Gives gain, phase, delay and disk margins of each element
@@ -99,6 +104,8 @@ def command(
 
     Exit status: 0 measured, 1 the loop has no margins there (with the reason), 2 wrong input, 3 an FMU failed.
     """
+    if not ports and model is None:
+        raise InputError(Problem(expected="--at BLOCK.PORT or --model BLOCK", found="none"))
     loaded = change.scenario(scenario)
     target = out or Path("results") / f"{loaded.name}-margins"
     check_writable(target)
@@ -106,6 +113,10 @@ def command(
     with Session(open_scenario(loaded)) as session:
         plan = session.opened.plan
         begin = seconds("--when", when, loaded.duration)
+        if model is not None:
+            longest = None if window is None else seconds("--window", window, 0.0)
+            found_ = linearized(session, model, round(begin / plan.clock.step), states, longest)
+            ctx.exit(_model(found_, begin, target, json_))
         rig = Rig(session, site(plan, ports), round(begin / plan.clock.step))
         if orbit is not None:
             pieces = seconds("--piece", piece, SEGMENT * rig.period)
@@ -139,6 +150,38 @@ def seconds(option: str, text: str | None, default: float) -> float:
     if not 0.0 <= value < 1e9:
         raise InputError(Problem(expected="a time of 0 s to 1e9 s", found=text, place=place))
     return value
+
+
+def _model(found: BlockModel, when: float, folder: Path, json_: bool) -> int:
+    """Writes and prints the linear model of a block; the status is 1 where it has none."""
+    model = found.model
+    if json_:
+        matrices = {name: getattr(model, name).tolist() for name in "ABCD"}
+        names = {"inputs": model.inputs, "outputs": model.outputs, "states": model.states}
+        said = {"sample": model.step, "error": model.error, "verdict": model.verdict, "notes": found.notes}
+        say_json({**names, **matrices, **said, "refused": found.refused or None})
+    else:
+        notes(found.notes)
+    if found.refused:
+        complain(f"no linear model: {found.refused}")
+        return EXPECTATION_FAILED
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    _save(model, folder)
+    if not json_:
+        sizes = f"{len(model.inputs)} inputs, {len(model.outputs)} outputs, {len(model.A)} states"
+        say(f"linear model at {when:g} s, each {model.step:g} s: {sizes}", bold=True)
+        if model.states:
+            say(f"states: {', '.join(model.states)}")
+            say("eigenvalues of A: " + ", ".join(f"{value:.6g}" for value in np.linalg.eigvals(model.A)))
+        say(model.verdict)
+        say(f"written to {folder / 'model.npz'} and model.mat")
+    return 0
+
+
+def _save(model: Linear, folder: Path) -> None:
+    for suffix in ("npz", "mat"):
+        model.save(folder / f"model.{suffix}")
 
 
 def _multipliers(
@@ -183,9 +226,7 @@ def _write(found: Found, folder: Path) -> None:
         (folder / "margins.json").write_text(json.dumps(found.data(), indent=2) + "\n", "utf-8")
         found.figure().savefig(folder / "margins.png", dpi=120)
     found.save_table(folder / "response.csv")
-    model = realized(found.response)
-    for suffix in ("npz", "mat"):
-        model.save(folder / f"model.{suffix}")
+    _save(realized(found.response), folder)
 
 
 def _print(found: Found, folder: Path) -> None:

@@ -33,6 +33,8 @@ class Head:
     """Of parameters, the quantities that an annotation of ours says they state."""
     unsigned: Mapping[str, tuple[str | None, str | None]] = field(default_factory=dict)
     """The limits of unsigned variables (FMI 3.0), which FMPy leaves out."""
+    slopes: bool = False
+    """Whether it gives directional derivatives in co-simulation."""
 
 
 def read_head(path: Path) -> Head:
@@ -66,7 +68,10 @@ def read_head(path: Path) -> Head:
         elif entry.tag == "Quantity":
             stated[name] = entry.get("name", "")
     unsigned = {v.get("name", ""): (v.get("min"), v.get("max")) for v in variables if str(v.tag).startswith("UInt")}
-    return Head(root.get("fmiVersion"), len(variables), frozenset(marked), stated, unsigned)
+    version = root.get("fmiVersion")
+    flag = "providesDirectionalDerivative" + ("" if version == "2.0" else "s")
+    slopes = any(entry.get(flag) in ("true", "1") for entry in root.iterfind("CoSimulation"))
+    return Head(version, len(variables), frozenset(marked), stated, unsigned, slopes)
 
 
 def _check_indices(path: Path, root: Any, count: int) -> None:

@@ -176,6 +176,27 @@ class Slave:
         self._plain(f"{self.model.prefix}SetFMU{self.version.state}", state)
         self._initialized = True
 
+    def slopes(self, outputs: Sequence[Element], inputs: Sequence[Element]) -> Floats:
+        """Returns the derivatives of outputs by inputs, (outputs, inputs), by fmi2 or fmi3GetDirectionalDerivative.
+
+        Raises BlockError where it gives none.
+        """
+        call = f"{self.model.prefix}GetDirectionalDerivative"
+        function, three = self._function(call), self.version.three
+        of, by = Layout.of(self.model, outputs), Layout.of(self.model, inputs)
+        names = [np.array(layout.references, np.uint32) for layout in (of, by)]
+        known = [argument for refs in names for argument in (c.c_void_p(refs.ctypes.data), c.c_size_t(len(refs)))]
+        seed, answer = np.zeros(by.length), np.zeros(of.length)
+        ends = [(c.c_void_p(v.ctypes.data), *([c.c_size_t(len(v))] if three else [])) for v in (seed, answer)]
+        found = np.empty((len(outputs), len(inputs)))
+        for column, slot in enumerate(by.slots):
+            seed[slot] = 1.0
+            if (status := function(self.component, *known, *ends[0], *ends[1])) > WARNING:
+                raise self.failed(call, status)
+            seed[slot] = 0.0
+            found[:, column] = answer[of.slots]
+        return found
+
     # ------------------------------------------------------------ steps
 
     def wire(self, inputs: Sequence[Element], outputs: Sequence[Element], live: Sequence[int], into: Floats) -> Floats:

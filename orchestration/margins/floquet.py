@@ -35,6 +35,8 @@ MORE = 4
 """Flights beyond those that the fit needs."""
 PULSE = 1e-3
 """Size of the pulses beside the largest value of their port so far."""
+FRESH = 20
+"""Segments after which all flights begin anew with pulses: by then a disturbance has decayed, or grown."""
 LEAD = 3
 """Segments with pulses before the first that counts, so that the motion has all directions."""
 CYCLES, FACTORS = 30, 6000
@@ -177,13 +179,38 @@ def orbit(
 ) -> Orbit:
     """Returns the transitions over so many samples, in segments of equal length.
 
-    They begin LEAD + `depth` segments after the rig's instant. `size` is that of the pulses of each channel, in the
-    unit of its port. With `depth` above 1 the coordinates are those of so many instants one after the other, which
+    They begin LEAD + `depth` - 1 segments after the rig's instant. `size` is that of the pulses of each channel, in
+    the unit of its port. With `depth` above 1 the coordinates are those of so many instants one after the other, which
     shows hidden states, and the pulses are in the lead only. Raises BlockError where a block fails."""
-    before, channels, n = rig.flights, len(rig.site.channels), len(seen.labels)
     segments = max(round(samples / segment), 1)
-    length, lead = round(samples / segments), LEAD + depth - 1
-    free = depth > 1
+    length = round(samples / segments)
+    at = rig if starts is None else Rig(rig.session, rig.site, rig.first, starts)
+    parts: list[_Part] = []
+    flights = 0
+    for begun in range(0, segments, FRESH):
+        before = at.flights if begun == 0 and at is rig else 0
+        parts.append(_part(at, seen, min(FRESH, segments - begun), length, size, more, altered, depth))
+        flights += at.flights - before
+        if begun + FRESH < segments:
+            at = at.further(FRESH * length, altered)
+    unexplained, whole = (sum(getattr(part, name) for part in parts) for name in ("unexplained", "whole"))
+    rest = float(np.sqrt((unexplained / np.maximum(whole, 1e-300)).max()))
+    return Orbit(seen.labels, length * rig.period, np.concatenate([p.transitions for p in parts]), rest, flights)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Transitions of segments between which the flights go on, and squares of motion beside what is not explained."""
+
+    transitions: Floats
+    unexplained: Floats
+    whole: Floats
+
+
+def _part(
+    rig: Rig, seen: Coordinates, segments: int, length: int, size: Floats, more: int, altered: Altered, depth: int
+) -> _Part:
+    channels, n, lead, free = len(rig.site.channels), len(seen.labels), LEAD + depth - 1, depth > 1
     pairs = depth * n + (0 if free else channels) + more
     rng = np.random.default_rng(1)
     shape = pairs, segments + lead, channels
@@ -194,7 +221,7 @@ def orbit(
     def flown(given: Floats) -> Floats:
         injected = np.zeros((shape[1] * length + 1, channels))
         injected[:-1:length] = given * size
-        return _observed(rig, seen, injected, length, starts, altered)
+        return _observed(rig, seen, injected, length, altered)
 
     still = flown(np.zeros(shape[1:])) if free else np.empty(0)
     moved = [
@@ -216,8 +243,7 @@ def orbit(
         transitions[k] = (all_ / scale[:, None])[: depth * n].T
         unexplained += ((x[tested, k + 1] - (known[tested] / scale) @ part)[:, :n] ** 2).sum(axis=0)
         whole += (x[tested, k + 1, :n] ** 2).sum(axis=0)
-    rest = float(np.sqrt((unexplained / np.maximum(whole, 1e-300)).max()))
-    return Orbit(seen.labels, length * rig.period, transitions, rest, rig.flights - before)
+    return _Part(transitions, unexplained, whole)
 
 
 @dataclass(frozen=True)
@@ -265,19 +291,18 @@ def _observed(
     seen: Coordinates,
     injected: Floats,
     length: int,
-    starts: Starts,
     altered: Altered,
 ) -> Floats:
     """Returns the observed elements at the beginning of each segment and at the end of the last, (instants,
     elements)."""
     hold, clock = rig.site.hold, rig.session.opened.plan.clock
     wanted = rig.first + hold * np.arange(0, len(injected), length)
-    keeper = _Keeper(wanted, clock.step, seen.nodes)
-    rig.fly(injected, altered, [keeper], seen.nodes, starts)
+    keeper = Keeper(wanted, clock.step, seen.nodes)
+    rig.fly(injected, altered, [keeper], seen.nodes)
     return keeper.rows
 
 
-class _Keeper:
+class Keeper:
     """An observer that keeps the rows of some base steps."""
 
     def __init__(self, wanted: NDArray[np.int64], step: float, nodes: Sequence[Node]) -> None:

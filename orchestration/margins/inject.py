@@ -6,7 +6,7 @@ Tests: tests/orchestration/margins/test_measure.py, test_search.py.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,23 +34,32 @@ class Altered:
     gain: float = 1.0
     delay: int = 0
     """Base steps, beside what the loop has."""
+    tape: Floats | None = None
+    """What is given in place of what comes, (samples, channels): the loop is open."""
 
 
 class Rig:
     """Flies a session with signals injected from base step `first` on.
 
-    Where the FMUs save their states, the time before is flown once.
+    Where the FMUs save their states, the time before is flown once. `starts` take the place of the scenario's.
     """
 
-    def __init__(self, session: Session, site: Site, first: int) -> None:
+    def __init__(
+        self, session: Session, site: Site, first: int, starts: Mapping[str, Sequence[Start]] | None = None
+    ) -> None:
         self.session, self.site = session, site
-        self.first = -(-first // site.hold) * site.hold
+        self.starts = session.opened.plan.starts if starts is None else starts
+        self.first = self.since = -(-first // site.hold) * site.hold
+        """`since` is the base step from which on a signal is altered."""
         self.flights = 0
         self.peaks = np.zeros(len(site.channels))
         """The largest value of each channel before the injection."""
         self.latest: dict[Node, deque[float]] = {}
         """What each receiver was given before the injection, the last value at the end."""
         self._kept: Kept | None = None
+        self._begun = Altered()
+        self._failed = False
+        """Whether a flight has failed since, which closes the instances and ends what they have kept."""
 
     @property
     def period(self) -> float:
@@ -67,15 +76,27 @@ class Rig:
         largest = {port: max(p for p, of in zip(self.peaks, ports, strict=True) if of == port) for port in ports}
         return np.array([largest[channel.port] or channel.nominal for channel in channels])
 
-    def _begin(self) -> None:
-        """Flies to the step before `first`."""
-        self.flights = 1
-        self.latest = {r.target: deque(maxlen=_LATEST) for channel in self.site.channels for r in channel.receivers}
+    def _begin(self, altered: Altered = Altered(), kept: Kept | None = None) -> None:
+        """Flies to the step before `first`, from where another rig has kept it."""
+        self.flights += 1
+        self._begun, self._failed = altered, False
+        if kept is None:
+            self.latest = {r.target: deque(maxlen=_LATEST) for channel in self.site.channels for r in channel.receivers}
         last = self.first - 1  # the step up to `first` may take the first value already
         until = last if last > 0 else 2 * self.site.hold
-        starts = self.session.opened.plan.starts
-        self._flown(_Given(self, np.empty((0, len(self.peaks)))), starts, (), (), Options(until=until), _BEYOND)
+        given = _Given(self, np.empty((0, len(self.peaks))), altered, 0 if kept is None else kept.count)
+        self._flown(given, self.starts, (), (), Options(until=until, kept=kept), _BEYOND)
         self._kept = self.session.kept(last) if last > 0 else None
+
+    def further(self, more: int, altered: Altered) -> Rig:
+        """Returns the rig so many samples later, with the signals altered since this one's beginning."""
+        if not self.flights:
+            self._begin()
+        rig = Rig(self.session, self.site, self.first + more * self.site.hold, self.starts)
+        rig.since, rig.peaks = self.since, self.peaks.copy()
+        rig.latest = {node: values.copy() for node, values in self.latest.items()}
+        rig._begin(altered, self._kept)
+        return rig
 
     def fly(
         self,
@@ -84,18 +105,20 @@ class Rig:
         observers: Sequence[Observer] = (),
         nodes: Sequence[Node] = (),
         starts: Mapping[str, Sequence[Start]] | None = None,
+        after: Callable[[Block], None] | None = None,
     ) -> Floats:
         """Returns what comes back to each channel, before the injection is added, (samples, channels).
 
         `injected` (samples, channels) is held from sample to sample, in the unit of the port. `observers` see what
-        follows `first`, or all. Raises BlockError where a block fails.
+        follows `first`, or all. `after` is called with a receiver after the step that takes the first sample. Raises
+        BlockError where a block fails.
         """
-        if not self.flights:
-            self._begin()
+        if not self.flights or self._failed:
+            self._begin(self._begun)
         self.flights += 1
         kept = self._kept if starts is None else None
-        given = _Given(self, injected, altered, 0 if kept is None else kept.count)
-        starts = self.session.opened.plan.starts if starts is None else starts
+        given = _Given(self, injected, altered, 0 if kept is None else kept.count, after)
+        starts = self.starts if starts is None else starts
         self._flown(given, starts, observers, nodes, Options(kept=kept), len(injected) * self.site.hold)
         return given.came
 
@@ -121,14 +144,22 @@ class Rig:
 
         flown = self.session.fly(starts, observers, nodes, circuit=circuit, around=around, options=options).whole()
         if flown.failure is not None:
+            self._kept, self._failed = None, True
             raise flown.failure
 
 
 class _Given:
     """What a flight is given, and what comes back."""
 
-    def __init__(self, rig: Rig, injected: Floats, altered: Altered = Altered(), begun: int = 0) -> None:
-        self.rig, self.injected, self.altered, self.begun = rig, injected, altered, begun
+    def __init__(
+        self,
+        rig: Rig,
+        injected: Floats,
+        altered: Altered = Altered(),
+        begun: int = 0,
+        after: Callable[[Block], None] | None = None,
+    ) -> None:
+        self.rig, self.injected, self.altered, self.begun, self.after = rig, injected, altered, begun, after
         self.came = np.full(injected.shape, np.nan)
 
 
@@ -143,8 +174,9 @@ class _Front(Front):
         values = super().wire(inputs, outputs, live, into)
         flight, every, hand_over = self._given, self._every, self.inner.set_inputs
         rig, injected, came = flight.rig, flight.injected, flight.came
-        first, hold, peaks, channels = rig.first, rig.site.hold, rig.peaks, rig.site.channels
-        gain, late = flight.altered.gain, flight.altered.delay // every
+        first, since, hold = rig.first, rig.since, rig.site.hold
+        peaks, channels = rig.peaks, rig.site.channels
+        gain, late, tape = flight.altered.gain, flight.altered.delay // every, flight.altered.tape
         places = [
             (place, number, receiver, channels[number].receivers[0] is receiver)
             for place, element in enumerate(inputs)
@@ -161,7 +193,7 @@ class _Front(Front):
         def set_inputs() -> None:
             nonlocal calls
             calls += 1
-            if calls * every < first and not looks:
+            if calls * every < since and not looks:
                 hand_over()
                 return
             for place, number, receiver, sampled in places:
@@ -170,19 +202,31 @@ class _Front(Front):
                     rig.latest[receiver.target].append(value)
                     if sampled:
                         peaks[number] = max(peaks[number], abs(value / factor))
-                sample, within = divmod(calls * every - receiver.behind - first, hold)
-                acts = 0 <= sample < len(injected)
+                at = calls * every - receiver.behind
+                sample, within = divmod(at - first, hold)
                 if late:
                     waiting[place].append(value)
                     before = waiting[place].popleft()
-                    value = before if acts else value
-                if acts:
+                    value = before if at >= since else value
+                if at >= since:
                     value *= gain
+                if 0 <= sample < len(injected):
                     if sampled and within < every:
                         came[sample, number] = value / factor
+                    if tape is not None:
+                        value = factor * tape[sample, number]
                     value += factor * injected[sample, number]
                 values[place] = value
             hand_over()
 
         self.set_inputs = set_inputs
+        if (after := flight.after) is not None:
+            step, behind = self.do_step, places[0][2].behind
+
+            def do_step(time: float, length: float) -> None:
+                step(time, length)
+                if calls * every - behind == first:
+                    after(self.inner)
+
+            self.do_step = do_step
         return values

@@ -169,4 +169,8 @@ def scaled(rig: Rig, name: str, factor: float) -> dict[str, list[Start]]:
         if value is None:
             raise InputError(Problem(f"the value of {name} is not known; remedy: state it under start", place=place))
         given[element] = factor * float(value)
+    if not any(given[variable.elements[position]] for position in positions):
+        raise InputError(
+            Problem(f"{name} is 0, which no factor changes; remedy: state a value of it under start", place=place)
+        )
     return {reference.block: [Start(element, value) for element, value in given.items()]}

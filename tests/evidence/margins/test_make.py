@@ -27,7 +27,7 @@ def test_an_equilibrium_measured_today_is_that_of_the_page(kept):
 def test_vb_has_margins_at_every_place_and_they_bracket_the_loss_of_stability_within_a_tenth(kept):
     delay = next(one for one in kept["changes"] if one["name"] == "delay")
     rows = [row for row in kept["places"] if row["case"].startswith("V.B")]
-    assert [row["place"] for row in rows] == list(make.PLACES)
+    assert [row["place"] for row in rows] == list(cases.PLACES)
     for row in rows:
         assert row["delay"] == pytest.approx(delay["holds"], rel=0.1)
         assert row["delay"] == pytest.approx(delay["lost"], rel=0.1)

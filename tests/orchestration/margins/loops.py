@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -70,3 +71,44 @@ class Flights(Session):
 def rig(make: Callable[[], list[Mock]], *ports: str, first: int = 50, **more: Any) -> Rig:
     session = Flights(make, **more)
     return Rig(session, site(session.opened.plan, ports or ("plant.u",)), first)
+
+
+def toy(folder: Path, law_text: str, gain: float = 0.8) -> Path:
+    """Writes a scenario of two laws in Python, and returns its path: an integrator of the wheel's torque, and a
+    controller with this text; `gain` is a parameter of it."""
+    (folder / "toy.py").write_text(
+        """\
+class Integrator:
+    def __init__(self):
+        self.rate = 1.0
+
+    def step(self, inputs, parameters, t, h):
+        self.rate += h * inputs.wheel_torque_cmd
+        return {"omega_B": [self.rate, 0.0, 0.0]}
+""",
+        "utf-8",
+    )
+    (folder / "law.py").write_text(f"import numpy as np\n\nPARAMETERS = {{'gain': {gain}}}\n\n\n{law_text}", "utf-8")
+    (folder / "toy.yaml").write_text(
+        f"""\
+name: toy
+step: {STEP}
+isolation: none
+duration: 1
+blocks:
+  plant: {{python: toy.py}}
+  controller: {{python: law.py}}
+connections: [plant.omega_B -> controller.omega_B, "controller.tau_cmd_B[1] -> plant.wheel_torque_cmd"]
+""",
+        "utf-8",
+    )
+    return folder / "toy.yaml"
+
+
+def static(expression: str) -> str:
+    """Returns the text of a law without memory: its torque is this of the rate w and the gain g."""
+    return f"""\
+def step(inputs, parameters, t, h):
+    w, g = inputs.omega_B[0], parameters.gain
+    return {{"tau_cmd_B": [float({expression}), 0.0, 0.0]}}
+"""

@@ -5,7 +5,8 @@ import pytest
 
 from orchestration.errors import InputError
 from orchestration.fmu.model import Variable
-from orchestration.margins.floquet import LEAD, Coordinates, Repeated, coordinates, logs, orbit
+from orchestration.margins.floquet import FRESH, LEAD, Coordinates, Repeated, coordinates, logs, orbit
+from orchestration.margins.inject import Altered
 from orchestration.margins.search import Change, lost
 
 from .loops import law, linear, rig
@@ -39,6 +40,37 @@ def test_multipliers_of_a_loop_that_is_periodic_in_time_are_those_of_its_product
     exact = np.linalg.eigvals(product)
     np.testing.assert_allclose(np.sort(np.abs(np.exp(found.logs))), np.sort(np.abs(exact)), rtol=1e-6)
     assert found.verdict == "the observed coordinates are the whole state that matters"
+
+
+def test_an_orbit_of_many_pieces_begins_anew_and_is_still_that_of_its_product():
+    loop = rig(periodic, first=50)
+    found = orbit(loop, coordinates(loop.session.opened.plan, ["plant.y"]), 4 * PERIOD, np.array([1e-3]), segment=4)
+    assert (found.rest < 1e-9, len(found.transitions)) == (True, 2 * FRESH)
+    product = np.eye(2)
+    for k in range(50 + 4 * LEAD, 50 + 4 * LEAD + PERIOD):
+        product = (TURN - np.eye(2)[:, 1:] @ gains(k)) @ product
+    exact = 4 * np.log(np.abs(np.linalg.eigvals(product)))
+    np.testing.assert_allclose(np.sort(found.logs.real), np.sort(exact), rtol=1e-6)
+
+
+@pytest.mark.parametrize("delay", [0, 2])
+def test_a_delay_and_a_gain_last_where_flights_begin_anew(delay):
+    """The hidden commands on their way show at the next instants."""
+    feedback, pieces = np.array([[0.1, 0.3]]), 2 * FRESH
+    loop = rig(lambda: [linear(TURN, np.eye(2)[:, 1:], np.eye(2)), law(lambda y: -feedback @ y, 2)])
+    seen = coordinates(loop.session.opened.plan, ["plant.y"])
+    altered = Altered(gain=1.3, delay=delay)
+    found = orbit(loop, seen, 2 * pieces, np.array([1e-3]), segment=2, altered=altered, depth=1 + delay)
+    line = np.eye(2 + delay, k=-1)
+    line[:2, :2], line[2:, :2] = TURN, 0.0
+    line[1, 2:] = 0.0
+    if delay:
+        line[2, :2], line[1, -1] = -1.3 * feedback, 1.0
+    else:
+        line[1] -= 1.3 * feedback[0]
+    exact = np.abs(np.linalg.eigvals(line)).max()
+    assert found.rest < 1e-6
+    assert found.logs[0].real == pytest.approx(2 * pieces * np.log(exact), rel=1e-3)
 
 
 def test_a_state_that_is_not_observed_is_told():
