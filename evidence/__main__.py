@@ -26,6 +26,7 @@ from .failures.rows import TABLES
 from .flight import make as flights
 from .flight.rivals import compare
 from .flight_data import make as flown_records
+from .margins import cases as margins_cases
 from .margins import make as margins_measured
 from .margins import page as margins_page
 from .optimum import page as least_times
@@ -71,15 +72,13 @@ def verification() -> None:
 
 @main.command()
 @_jobs
-@click.option(
-    "--case", "cases", multiple=True, type=click.Choice(tuple(margins_measured.CASES)), help="Only this hold."
-)
+@click.option("--case", "cases", multiple=True, type=click.Choice(tuple(margins_cases.CASES)), help="Only this hold.")
 @click.option("--place", "places", multiple=True, type=int, help="Only this start from the node, deg.")
 @click.option("--page", is_flag=True, help="Write page and figure from docs/evidence/margins.json, without flying.")
 def margins(jobs: int, cases: tuple[str, ...], places: tuple[int, ...], page: bool) -> None:
     """Make docs/evidence/margins.md and its figure: margins along the orbit, equilibria, and what loses the hold."""
     if not page:
-        margins_measured.make(jobs, cases or tuple(margins_measured.CASES), places or margins_measured.PLACES)
+        margins_measured.make(jobs, cases or tuple(margins_cases.CASES), places or margins_cases.PLACES)
     say(f"written: {margins_page.write()}")
 
 
