@@ -96,8 +96,10 @@ step: {STEP}
 isolation: none
 duration: 1
 blocks:
-  plant: {{python: toy.py}}
-  controller: {{python: law.py}}
+  plant: {{python: toy.py, start: {{dipole_cmd: [0, 0, 0]}}}}
+  controller:
+    python: law.py
+    start: {{gain: {gain}, R_NB: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], r_N: [7e6, 0, 0], v_N: [0, 7500, 0]}}
 connections: [plant.omega_B -> controller.omega_B, "controller.tau_cmd_B[1] -> plant.wheel_torque_cmd"]
 """,
         "utf-8",

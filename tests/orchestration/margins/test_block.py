@@ -98,4 +98,5 @@ def test_the_direct_part_is_by_directional_derivatives_where_an_fmu_gives_them()
     dipoles = [i for i, name in enumerate(exact.outputs) if "dipole_cmd" in name]
     assert len(dipoles) == 3
     assert (exact.inputs, exact.outputs) == (apart.inputs, apart.outputs)
-    np.testing.assert_allclose(apart.D, exact.D, atol=2e-3 * np.abs(exact.D).max(axis=1).min())
+    apart_by = np.abs(apart.D - exact.D)[dipoles].max(axis=1)
+    assert (apart_by < 1e-3 * np.abs(exact.D[dipoles]).max(axis=1)).all()
