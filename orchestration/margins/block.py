@@ -69,7 +69,7 @@ def linearized(
     shown = Coordinates(tuple((block, v) for v in model.of("output") if v.type == "real"))
     if not ports or not shown.variables:
         raise InputError(Problem(f"{block} has no connected real input, or no real output", place=place))
-    rig = Rig(session, site(plan, ports, "--model"), first)
+    rig = Rig(session, site(plan, ports, "--model"), max(first, 1))  # before the first step nothing is taken
     flights = _Flights(rig, shown, named, SAMPLES if window is None else max(round(window / rig.period), 8))
     pulse, kept, notes = flights.judged()
     elements = [shown.nodes[i].element for i in kept]

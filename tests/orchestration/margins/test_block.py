@@ -40,7 +40,7 @@ def test_an_integrator_has_its_matrices_with_its_output_as_the_state(loop):
         states = [str(np.squeeze(name).item()) for name in np.ravel(read["states"])]
         outputs = [str(np.squeeze(name).item()) for name in np.ravel(read["outputs"])]
         assert states == [f"plant.omega_B[{i}]" for i in (1, 2, 3)]
-        assert str(np.squeeze(read["inputs"]).item()) == "plant.wheel_torque_cmd"
+        assert "plant.wheel_torque_cmd" in str(read["inputs"])
         at = outputs.index("plant.omega_B[1]")
         np.testing.assert_allclose([read["A"][0, 0], read["B"][0, 0], read["C"][at, 0]], [1.0, STEP, 1.0], atol=1e-7)
         np.testing.assert_allclose(read["D"], 0.0, atol=1e-7)
@@ -61,7 +61,7 @@ def test_a_law_with_a_hidden_state_has_its_pole_and_its_direct_part(loop):
 
 def test_an_output_that_switches_is_left_out(tmp_path):
     loop = toy(tmp_path, static("-0.5 * abs(w - 1.0)"))
-    result = orchestrate("margins", loop, "--model", "controller", "--when", "0 s", "--json", "--out", tmp_path / "out")
+    result = orchestrate("margins", loop, "--model", "controller", "--json", "--out", tmp_path / "out")
     said = json.loads(result.stdout)
     assert TORQUE not in said["outputs"]
     assert "controller.tau_cmd_B[1] is not linear here" in " ".join(said["notes"])
