@@ -30,7 +30,7 @@ SAMPLES = 60
 """Samples of an answer to a pulse."""
 _APPEARS = 1e-4
 """Direction of the states that counts beside the largest."""
-_NONE = 1e-9
+_NONE = 1e-8
 """Answer beside the value of an output, to an input as large as it usually is, that counts as none."""
 
 
@@ -102,10 +102,18 @@ class _Flights:
         whole, unlike = (np.stack(part, axis=-1) for part in zip(*columns, strict=True))
         self.pulse, self.states = whole[:, : self.count], whole[:, self.count :]
         self._unlike = unlike[: self.count]
+        usual: list[float] = []
+        first = self.count
+        for _, v in named.variables:
+            largest = float(np.abs(self._base[:, first : first + v.size]).max())
+            usual, first = usual + [largest] * (3 if v.shape == (3, 3) else v.size), first + v.size
         apart, size = (unlike[self.count :] * self.rig.scales).max(axis=1), np.abs(self.states * self.rig.scales)
-        self.still = apart > 0.5 * size.max(axis=(0, 2))
+        size = size.max(axis=(0, 2))
+        self.still = np.maximum(size, apart) <= _NONE * np.maximum(usual, 1e-300)
         """The named states that no input moves: what is seen of them is rounding."""
-        self.error = 0.0
+        moved = ~self.still
+        self.error = float((apart[moved] / np.maximum(size[moved], 1e-300)).max(initial=0.0))
+        """Largest difference between answers to pulses of two sizes, beside the answer."""
 
     def _flown(self, injected: Floats) -> Floats:
         rig, nodes = self.rig, [*self.shown.nodes, *self.named.nodes]
@@ -147,11 +155,11 @@ class _Flights:
         pulse, scales, base = self.pulse.copy(), self.rig.scales, self._usual()
         effects = np.abs(pulse).max(axis=0) * scales
         sizes, apart = effects.max(axis=1), (self._unlike * scales).max(axis=1)
-        still = (sizes <= _NONE * base) | (sizes <= 0.0)
+        still = np.maximum(sizes, apart) <= _NONE * base
         pulse[:, still] = 0.0
-        errors = np.where(still, 0.0, apart / np.maximum(sizes, 1e-300))
+        errors = np.where(still, 0.0, apart / np.maximum(np.maximum(sizes, apart), 1e-300))
         kept = [int(i) for i in np.flatnonzero(errors <= LIMIT)]
-        self.error = float(errors[kept].max(initial=0.0))
+        self.error = max(self.error, float(errors[kept].max(initial=0.0)))
         notes = [
             f"left out: {node.block}.{node.element.variable}[{node.element.position + 1}] is not linear here: pulses "
             f"of two sizes differ by {100 * errors[i]:.2g} % (a limit, a switch, a quantized signal or a norm at zero)"
