@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.bank import Noise
+from orchestration.quantities import parse_unit
 
 from .attitude import Attitudes
 from .records import Flight
@@ -40,10 +41,14 @@ class Spin:
     scale_sigma: Floats
     attitude: str
 
-    def data(self, noise: Noise) -> dict[str, Any]:
-        """For JSON, with what the estimator block takes."""
+    def data(self, noise: Noise, unit: str = "rad/s") -> dict[str, Any]:
+        """For JSON; `matrix` and `offset` are those of a column of telemetry in this unit, `estimator` what that block
+        takes beside them, `sensors` a gyro with such errors."""
         apart = bool((self.scale_sigma < 0.3 * noise.scale).any())
         return {
+            "unit": unit,
+            "matrix": np.diag(1.0 / (1.0 + self.scale)).tolist(),
+            "offset": (self.bias / parse_unit(unit).factor).tolist(),
             "axis": self.axis.tolist(),
             "rate_error_along": self.along,
             "rate_error_along_sigma": self.along_sigma,

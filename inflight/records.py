@@ -58,14 +58,15 @@ class Flight:
     orbit: Orbit
     notes: list[str]
     field_unit: str = "T"
-    """That of the magnetometer's column in the log"""
+    rate_unit: str = "rad/s"
+    """Those of magnetometer and gyro in the log"""
 
     def part(self, chosen: NDArray[np.bool_]) -> Flight:
         """Some of its rows."""
         o = self.orbit
         orbit = Orbit(o.epoch, o.t[chosen], o.r_N[chosen], o.v_N[chosen], o.age)
         rows = (self.t[chosen], self.omega[chosen], self.m[chosen], self.currents[chosen])
-        return Flight(self.name, *rows, orbit, self.notes, self.field_unit)
+        return Flight(self.name, *rows, orbit, self.notes, self.field_unit, self.rate_unit)
 
 
 def read(path: Path) -> Flight:
@@ -116,7 +117,7 @@ def flight(name: str, record: Record, rows: Floats, sets: list[Any]) -> Flight:
         currents,
         orbit,
         record.seen.notes(),
-        record.entry.columns["b_B_measured"].unit,
+        *(record.entry.columns[name].unit for name in ("b_B_measured", "omega_B_measured")),
     )
 
 

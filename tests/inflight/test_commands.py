@@ -69,6 +69,8 @@ def test_a_gyro_is_calibrated_by_a_spin(log):
     assert "along the spin" in done.output
     data = json.loads((log.parent / "g.json").read_text())
     assert data["verdict"]["bias across the spin and tilt of the magnetometer apart"] == "not shown"
+    np.testing.assert_allclose(np.radians(data["offset"]), data["bias"], atol=1e-12)  # the log has deg/s
+    assert data["unit"] == "deg/s"
 
 
 def test_a_record_without_nutation_does_not_show_the_inertia(log):
