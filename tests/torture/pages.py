@@ -21,6 +21,13 @@ from ..orchestration.results.browser import executable, launched
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
 
+def made(folder: Path, stem: str) -> Path:
+    """Writes the live page of a scenario of the folder, beside it."""
+    live, file = prepare(load(folder / "scenarios" / f"{stem}.yaml")), folder / f"{stem}.html"
+    file.write_text(page(live, whole(live.scenario)), "utf-8")
+    return file
+
+
 @click.command("pages")
 @click.argument("names", nargs=-1)
 @click.option("--count", default=20, show_default=True, help="Settings of each page.")
@@ -34,10 +41,7 @@ def command(names: tuple[str, ...], count: int, seed: int) -> None:
         folder = Path(name)
         shutil.copytree(SCENARIOS, folder / "scenarios")
         for stem in names or sorted(file.stem for file in SCENARIOS.glob("*.yaml")):
-            live = prepare(load(folder / "scenarios" / f"{stem}.yaml"))
-            file = folder / f"{stem}.html"
-            file.write_text(page(live, whole(live.scenario)), "utf-8")
-            tab.open(file, 1400)
+            tab.open(made(folder, stem), 1400)
             flown(tab)
             try:
                 seen = trials(tab, folder / "scenarios", count, np.random.default_rng(seed))
