@@ -103,7 +103,7 @@ def listed(values: Iterable[object], kind: str = "") -> Markup:
 
 def table(columns: Sequence[str], cells: Iterable[Iterable[object]], kind: str = "") -> Markup:
     """Returns a table, whose rows become cards on a narrow screen; nothing where there are no rows."""
-    head = each('<th scope="col">{}</th>', columns)
+    head = joined(each('<th scope="col">{}</th>', [name]) if name else Markup("<td></td>") for name in columns)
     body = rows(cells, columns)
     return piece("table", kind=kind, head=head, body=body) if body else body
 
