@@ -26,6 +26,7 @@ from .failures.rows import TABLES
 from .flight import make as flights
 from .flight.rivals import compare
 from .flight_data import make as flown_records
+from .health import make as health_flown
 from .margins import cases as margins_cases
 from .margins import make as margins_measured
 from .margins import page as margins_page
@@ -250,6 +251,19 @@ def failures(jobs: int, cases: int, tables: tuple[str, ...], page: bool) -> None
     A flight takes about two seconds of a core, one with a stuck wheel 36.
     """
     say(f"written: {failures_flown.write() if page else failures_flown.make(cases, tables or TABLES, jobs)}")
+
+
+@main.command()
+@_jobs
+@click.option("--cases", default=1, show_default=True, type=click.IntRange(1, 1000), help="Flights of each row.")
+@click.option("--row", "rows", multiple=True, help="Fly the rows whose names have this text alone; may be repeated.")
+def health(jobs: int, cases: int, rows: tuple[str, ...]) -> None:
+    """Fly tumbles behind the estimator in which one part fails, in the tumble or in the hold, and show what became of
+    them; what was interrupted goes on.
+
+    A flight takes about ten seconds of a core, one with a stuck wheel minutes.
+    """
+    say(health_flown.make(cases, rows, jobs))
 
 
 @main.command()

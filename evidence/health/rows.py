@@ -1,0 +1,145 @@
+"""One part that fails, as a campaign: the tumbles of scenarios/campaigns/estimated.yaml and its like, from any place on
+the orbit, so that a failure comes in light and in eclipse. Tests: tests/evidence/health/test_rows.py."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+from orchestration.campaign.case import Case
+
+from .. import crew
+from ..paper import ORBIT, ROOT
+
+Data = dict[str, Any]
+TUMBLE, HOLD, REST = 100.0, 6000.0, 600.0
+"""s: when a part fails, in the tumble or in the hold; what is left to recover."""
+AFTER = 1.5 * ORBIT
+"""s from the failure to the end."""
+LOST = 15.0
+"""deg"""
+SEED = 700
+SENSORS = ("gyro", "magnetometer", "GNSS", "star_tracker", "sun_sensors")
+"""As the output `health` counts them."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """Flights in which one part fails."""
+
+    campaign: str
+    """Of scenarios/campaigns: whose satellite and draws."""
+    text: str
+    """What fails, and when."""
+    at: float
+    faults: tuple[Data, ...] = field(hash=False)
+    part: str = ""
+    """Which part is to be named; empty: none."""
+
+    @property
+    def name(self) -> str:
+        return f"{self.campaign}: {self.text}"
+
+    def case(self, flights: int) -> Case:
+        """The campaign, checked. Raises InputError."""
+        angle: Data = {"signal": "judge.attitude_error", "unit": "deg"}
+        campaign = {
+            "extends": str(ROOT / "scenarios" / "campaigns" / f"{self.campaign}.yaml"),
+            "name": re.sub(r"\W+", "_", self.name),
+            "scenario": {
+                "extends": str(ROOT / "scenarios" / f"flight_{SETS[self.campaign]}.yaml"),
+                "duration": self.at + AFTER,
+                "faults": [dict(fault) for fault in self.faults],
+            },
+            "draw": {"place": {"uniform": ["0 deg", "360 deg"]}},
+            "vary": {"plant.argument_of_latitude": {"expression": "place"}},
+            "runs": flights,
+            "seed": SEED,
+            "metrics": [
+                {"name": "largest", "statistic": "maximum", "after": self.at + REST, **angle},
+                {"name": "last", "statistic": "final", **angle},
+                *({"name": name, "after": self.at, **metric} for name, metric in named().items()),
+            ],
+            "requirements": [],
+            "keep": {},
+        }
+        return crew.case(campaign, ROOT / "scenarios" / "campaigns")
+
+
+def named() -> dict[str, Data]:
+    """When each part is named: metrics by the part."""
+    rods: dict[str, Data] = {
+        f"rod_{i}": {"signal": "controller.failed_rod", "reaches": {"equals": i}} for i in (1, 2, 3)
+    }
+    sensors: dict[str, Data] = {
+        name: {"signal": f"estimator.health[{i + 1}]", "reaches": {"above": 1.5}} for i, name in enumerate(SENSORS)
+    }
+    wheel: Data = {"signal": "controller.wheel_failed", "reaches": {"equals": True}}
+    return {**rods, **sensors, "wheel": wheel}
+
+
+def _both(campaign: str, text: str, part: str, *faults: Data) -> tuple[Row, Row]:
+    """The failure in the tumble and in the hold; times of the faults count from it."""
+
+    def at(begin: float) -> tuple[Data, ...]:
+        return tuple({**f, **{k: begin + f[k] for k in ("at", "until") if k in f}} for f in faults)
+
+    return (
+        Row(campaign, f"{text}, in the tumble", TUMBLE, at(TUMBLE), part),
+        Row(campaign, f"{text}, in the hold", HOLD, at(HOLD), part),
+    )
+
+
+def _set(text: str, at: float = 0.0, until: float | None = None) -> Data:
+    return {"at": at, "set": f"plant.{text}"} | ({} if until is None else {"until": until})
+
+
+def _sensor(kind: str, signal: str, **more: Any) -> Data:
+    return {"at": 0.0, kind: f"sensors.{signal}_measured", **more}
+
+
+SETS = {"estimated": "estimated", "estimated_star_tracker": "star_tracker", "cubesat": "cubesat"}
+"""The scenario of each campaign, flight_*.yaml."""
+_LARGE, _SMALL = "[2.9, 2.9, 2.9]", "[0.035, 0.035, 0.035]"
+DIPOLE = {"estimated": _LARGE, "estimated_star_tracker": _LARGE, "cubesat": _SMALL}
+"""A m2: 20% of a rod along a skew axis."""
+ROWS: tuple[Row, ...] = (
+    *(Row(which, "nothing", HOLD, ()) for which in SETS),
+    *(
+        row
+        for which in SETS
+        for rows in (
+            _both(which, "rod 1 dead", "rod_1", _set("rod_gain[1] = 0")),
+            _both(which, "rod 2 reversed", "rod_2", _set("rod_gain[2] = -1")),
+            _both(which, "rod 3 gives half", "rod_3", _set("rod_gain[3] = 0.5")),
+            _both(
+                which,
+                "rod 1 stuck on at 20%",
+                "rod_1",
+                _set("rod_gain[1] = 0"),
+                _set(f"residual_dipole_B = {DIPOLE[which]}"),
+            ),
+            _both(
+                which,
+                "rod 1 dead for 60 s of each 120 s",
+                "rod_1",
+                *(_set("rod_gain[1] = 0", 120.0 * k, 120.0 * k + 60.0) for k in range(9)),
+            ),
+            _both(which, "magnetometer frozen", "magnetometer", _sensor("freeze", "b_B")),
+            _both(which, "magnetometer with a bias of 12 uT", "magnetometer", _sensor("bias", "b_B", by=[7e-6] * 3)),
+            _both(which, "gyro frozen", "gyro", _sensor("freeze", "omega_B")),
+            _both(which, "gyro with a bias of 0.5 deg/s", "gyro", _sensor("bias", "omega_B", by=[5e-3] * 3)),
+            _both(which, "Sun sensors frozen", "sun_sensors", _sensor("freeze", "sun_B")),
+            _both(which, "GNSS frozen for 600 s, but counting", "GNSS", _sensor("freeze", "r_N", until=600.0)),
+            _both(which, "wheel stuck", "wheel", _set("wheel_torque_max = 0")),
+        )
+        for row in rows
+    ),
+    *_both(
+        "estimated_star_tracker",
+        "star tracker frozen for 1200 s",
+        "star_tracker",
+        _sensor("freeze", "R_NB", until=1200.0),
+    ),
+)
