@@ -35,7 +35,7 @@ BLOCKS = {
     "supervisor/native": "SupervisorState",
 }
 """By folder: the structure that a block, the shell or the link keeps from step to step."""
-VALUES = {"Motion", "Scales", "Covariance", "Ports", "Line", "LinkReader"}
+VALUES = {"Motion", "Scales", "Covariance", "Sensitivity", "Ports", "Line", "LinkReader"}
 """Structures that are one value, or are tested on their own."""
 PACKAGES = ("campaign", "instances", "master", "session")
 NO_TESTS = ("each step", "start", "once")

@@ -158,6 +158,25 @@ def test_each_mode_is_come_to_and_left_the_second_time_as_the_first(flavour):
             np.testing.assert_allclose(one, first, atol=1e-9)
 
 
+def test_it_says_why_it_is_safe_each_time(flavour):
+    """1 since the start, 2 by command, 3 by the rate, 4 without an attitude, 0 in other modes."""
+    p, u = parameters("supervisor", **TIMES, **QUICK), inputs("supervisor", **GIVEN)
+    with flavour("supervisor", p, u, H) as step:
+        flight = Flight(step, u)
+        assert flight.y["safe_reason"] == 1
+        for _ in range(2):
+            flight.to(NADIR)
+            assert flight.y["safe_reason"] == 0
+            flight.visit(2, command=SAFE)
+            assert flight.y["safe_reason"] == 2
+            flight.to(NADIR)
+            flight.visit(60, **BLIND)
+            assert flight.y["safe_reason"] == 4
+            flight.to(NADIR)
+            flight.visit(20, **FAST)
+            assert flight.y["safe_reason"] == 3
+
+
 def test_another_point_on_the_ground_is_looked_at_each_time(flavour):
     """The points are given where the Earth's turn brings them to the same place."""
     p, u = parameters("supervisor", **TIMES, **QUICK), inputs("supervisor", **GIVEN)
