@@ -34,7 +34,7 @@ from .cases import (
 )
 
 KEPT = ROOT / "docs" / "evidence" / "margins.json"
-LONG, DELAYS = 2000, (7.0, 8.0, 9.0, 10.0)
+LONG, DELAYS = 2000, (7.0, 8.0, 10.0)
 """Samples of 0.5 s that the planned hold flies with a delay, and delays, s."""
 GAINS = ("plant.J_B", "controller.bandwidth")
 """Parameters whose effect on the largest multiplier of an orbit is measured."""
