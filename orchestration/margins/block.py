@@ -4,6 +4,7 @@ The block takes what it took in the flight, from a tape, so the loop is open; th
 make are its answers, sample by sample. Of two pulses, a and -a/2, the answers agree where the block is linear. An
 output that is not linear here is left out, with the reason. Where the FMU gives directional derivatives, D is theirs.
 
+Longer than 250 lines: the flights that answer pulses, and the two fits to them, share their shapes and sizes.
 Tests: tests/orchestration/margins/test_block.py.
 """
 
