@@ -1,7 +1,7 @@
 """Finds inputs that are read in another frame, which no mapping mends: vectors turned by any angle or turning with the
 Earth, and a rate relative to LVLH.
 
-Ours that reads its inputs so has to give what theirs gives; unknown angles are fitted by SciPy's least squares.
+Ours that reads its inputs so has to give what theirs gives; unknown angles are fitted by Gauss and Newton.
 Tests: tests/orchestration/acceptance/test_frames.py.
 """
 
@@ -13,9 +13,8 @@ from itertools import product
 from time import monotonic
 
 import numpy as np
-from scipy.optimize import least_squares
-from scipy.spatial.transform import Rotation
 
+from ... import rotation
 from ...fmu.model import Floats, Variable
 from .bench import Bench
 from .causes import Cause, along
@@ -32,9 +31,11 @@ _SERVES, _NEAR = 1e-4, 0.05
 _PART = 0.02
 """And a share of the difference as wired, up to which one explains it."""
 _CLEAR, _EXACT = 3.0, 1e-8
-"""Another serves as well where it leaves at most so many times the least, or so much."""
+"""Another with as few unknowns serves as well where it leaves at most so many times the least, or so much."""
 _LEAST = 1e-5
 """rad; a turn by less is none."""
+_STEP, _TINY, _MOST = 1e-6, 1e-11, 20
+"""rad: of differences, and that ends the fit; and so many times it goes on."""
 
 Inputs = Mapping[str, Floats]
 
@@ -81,7 +82,7 @@ def other_frame(
     most = max(_CLEAR * min(left for left, _, _ in found), _EXACT)
     found = sorted((one for one in found if one[0] <= most), key=lambda one: (len(one[2]), one[0]))
     left, reading, unknowns = found[0]
-    others = [f"{r.where}: {r.words(u)}" for _, r, u in found[1:]]
+    others = [f"{r.where}: {r.words(u)}" for _, r, u in found[1:] if len(u) == len(unknowns)]
     words = "; or equally well ".join([reading.words(unknowns), *others])
     return Cause("frame", reading.where, reading.size(unknowns), words, left), left
 
@@ -120,8 +121,8 @@ def _relative(rate: str, matrix: str, r: str, v: str, sign: float) -> Reading:
 
 def _of_earth(names: list[str], against: list[str]) -> Reading:
     def read(inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:
-        turn = Rotation.from_rotvec((unknowns[0] + EARTH_RATE * time)[:, None] * [0.0, 0.0, 1.0])
-        return {n: turn.apply(inputs[n]) for n in names}
+        c, s = np.cos(unknowns[0] + EARTH_RATE * time), np.sin(unknowns[0] + EARTH_RATE * time)
+        return {n: np.stack([c * x - s * y, s * x + c * y, z], 1) for n in names for x, y, z in [inputs[n].T]}
 
     def words(unknowns: Floats) -> str:
         angle = float(np.degrees(unknowns[0])) % 360.0
@@ -133,8 +134,9 @@ def _of_earth(names: list[str], against: list[str]) -> Reading:
 
 def _turned(names: list[str], against: list[str]) -> Reading:
     def read(inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:
-        turn = Rotation.from_rotvec(unknowns)
-        return {n: turn.apply(inputs[n]) for n in names}
+        angle = float(np.linalg.norm(unknowns))
+        turn = np.array(rotation.about((unknowns / angle).tolist(), angle) if angle else np.eye(3)).reshape(3, 3)
+        return {n: inputs[n] @ turn.T for n in names}
 
     def words(unknowns: Floats) -> str:
         angle = float(np.linalg.norm(unknowns))
@@ -169,6 +171,15 @@ def _fitted(
         return np.concatenate([((played[n] - v) / sizes[n]).ravel() for n, v in given.items()]) / len(given) ** 0.5
 
     best = min((np.array(start, float) for start in starts), key=lambda start: float(np.linalg.norm(left(start))))
-    if len(best):
-        best = least_squares(left, best, x_scale=1e-3, diff_step=1e-6, xtol=1e-12, ftol=1e-12, max_nfev=20).x
-    return best, float(np.linalg.norm(left(best)))
+    now = left(best)
+    for _ in range(_MOST if len(best) else 0):
+        slopes = np.stack([(left(best + step) - now) / _STEP for step in _STEP * np.eye(len(best))], axis=1)
+        change = np.linalg.lstsq(slopes, -now, rcond=None)[0]
+        change *= min(1.0, 1.0 / max(float(np.linalg.norm(change)), 1e-300))
+        while np.linalg.norm(then := left(best + change)) > np.linalg.norm(now) and np.linalg.norm(change) > _TINY:
+            change = 0.5 * change
+        if np.linalg.norm(then) < np.linalg.norm(now):
+            best, now = best + change, then
+        if np.linalg.norm(change) <= _TINY:
+            break
+    return best, float(np.linalg.norm(now))

@@ -20,6 +20,7 @@ MINIMAL, PAPER = SCENARIOS / "minimal.yaml", SCENARIOS / "paper_no_singularity.y
 @pytest.fixture
 def made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The names of all that are instantiated from now on."""
+    monkeypatch.setattr("orchestration.fmu.archive._MOMENT", 0)  # FMUs that were built a moment ago may be kept, too
     names: list[str] = []
     original = Slave.__init__
 

@@ -1,4 +1,5 @@
-/* The last look at the commands, whatever was computed before. Requirement: FC-4. Tests: test_guard.py. */
+/* The last look at the commands, whatever was computed before: docs/how/planned-work.md, Taking it into flight software.
+ * Requirement: FC-4. Tests: test_guard.py. */
 #include "../state.h"
 
 #include <float.h>
