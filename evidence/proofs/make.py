@@ -135,7 +135,10 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
             argued=len(met),
             faults=len(planted),
             rows=rows,
-            contracts=[(f"`{Path(c.file).name}`", c.says, str(r.proved), f"{r.seconds:.0f} s") for c, r in contracts],
+            contracts=[
+                (f"`{Path(c.file).name}`", c.says, f"{r.proved} of {r.statements[1]}", f"{r.seconds:.0f} s")
+                for c, r in contracts
+            ],
             arguments=argued,
             planted=planted,
             stacks=rows_of_stack(FLIGHT),

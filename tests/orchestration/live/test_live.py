@@ -65,6 +65,11 @@ def folder(tmp_path_factory):
     return folder
 
 
+def paused(page: Tab) -> None:
+    """Stops the motion, which takes a processor for itself as long as the page is open."""
+    page.page.evaluate("document.querySelector('[data-part=play][aria-pressed=true]')?.click()")
+
+
 @pytest.fixture(scope="module")
 def opened(chromium: Tab, folder: Path) -> Tab:
     chromium.open(folder / "vb.html", 1400)
@@ -72,12 +77,13 @@ def opened(chromium: Tab, folder: Path) -> Tab:
 
 
 @pytest.fixture
-def page(opened: Tab) -> Tab:
+def page(opened: Tab) -> Iterator[Tab]:
     """The page at the scenario's own values, at the start."""
     opened.page.click("#reset")
     opened.page.locator("[data-part=slider]").fill("0")
     flown(opened)
-    return opened
+    yield opened
+    paused(opened)
 
 
 @pytest.fixture
@@ -85,6 +91,7 @@ def elsewhere(opened: Tab, folder: Path) -> Iterator[Tab]:
     """The tab for another page; it has V.B again afterwards."""
     yield opened
     opened.open(folder / "vb.html", 1400)
+    paused(opened)
 
 
 def test_five_sets_of_parameters_have_the_hash_of_the_native_run(page, folder):
