@@ -105,7 +105,7 @@ static void take(const EstimatorLaw *law, int sensor, const Innovation *innovati
     x->field_bias = add(x->field_bias, vector(given.error + ERROR_BIAS));
     Vector *rate = x->by_gyro ? &x->rate_bias : &x->rate;
     *rate = add(*rate, vector(given.error + ERROR_RATE));
-    estimator_lasting_take(law, sensor, innovation, given.gains, x);
+    estimator_lasting_take(law, sensor, innovation, (const double (*)[ERROR_STATES])given.gains, x);
 }
 
 static Vector equal(double value)

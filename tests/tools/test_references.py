@@ -109,7 +109,7 @@ def test_a_tool_reproduces_what_the_fmu_carries(recipe: Recipe, block: str, tmp_
         timeout=120,
     )
     assert run.returncode == 0, run.stdout[-2000:] + run.stderr[-2000:]
-    seen = np.array(json.loads(run.stdout.rpartition("\n@")[2]))
+    seen = np.array(json.loads(run.stdout.rpartition("\n@")[2].partition("\n")[0]))
     assert len(seen) == len(expected) - 1
     for i, name in enumerate(outputs):
         difference = np.abs(seen[:, i] - expected[name][1:]).max()
@@ -180,7 +180,7 @@ def test_of_fmi_3_ecos_shows_the_scalars_with_the_bits_of_fmi_2(block: str, tmp_
         command = [sys.executable, "-c", STEPPED]
         run = subprocess.run(command, input=json.dumps([str(fmu), names]), capture_output=True, text=True, cwd=tmp_path)
         assert run.returncode == 0, run.stderr[-2000:]
-        seen.append(json.loads(run.stdout.rpartition("\n@")[2]))
+        seen.append(json.loads(run.stdout.rpartition("\n@")[2].partition("\n")[0]))
     assert seen[0] == seen[1]
     assert np.isfinite(seen[0]).all()
 
