@@ -67,7 +67,7 @@ def other_frame(
     None is begun after `ends`, by the monotonic clock, and then none is named: another could serve as well.
     """
     found: list[tuple[float, Reading, Floats]] = []
-    _, as_wired = _fitted(ours, Reading("", lambda *_: {}, lambda _: ""), *whole, ((),))
+    as_wired = float(np.linalg.norm(_left(ours, whole[0], {}, whole[2])))
     for reading in allowed:
         if monotonic() > ends:
             return None
@@ -134,8 +134,7 @@ def _of_earth(names: list[str], against: list[str]) -> Reading:
 
 def _turned(names: list[str], against: list[str]) -> Reading:
     def read(inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:
-        angle = float(np.linalg.norm(unknowns))
-        turn = np.array(rotation.about((unknowns / angle).tolist(), angle) if angle else np.eye(3)).reshape(3, 3)
+        turn = np.array(rotation.of_three(unknowns.tolist(), "rotation vector")).reshape(3, 3)
         return {n: inputs[n] @ turn.T for n in names}
 
     def words(unknowns: Floats) -> str:
@@ -157,18 +156,22 @@ def _all(names: list[str]) -> str:
     return " and ".join(names)
 
 
+def _left(ours: Bench, inputs: Inputs, read: Inputs, given: Inputs) -> Floats:
+    """Returns what differs from theirs, in shares of each output, where ours reads some inputs otherwise."""
+    played = ours.play({n: v for n, v in {**inputs, **read}.items() if n in ours.model.variables})
+    if played is None:
+        return np.full(sum(v.size for v in given.values()), 1.0)
+    parts = [(played[n] - v) / (float(np.linalg.norm(v)) or 1.0) for n, v in given.items()]
+    return np.concatenate([part.ravel() for part in parts]) / len(given) ** 0.5
+
+
 def _fitted(
     ours: Bench, reading: Reading, inputs: Inputs, time: Floats, given: Inputs, starts: tuple[tuple[float, ...], ...]
 ) -> tuple[Floats, float]:
     """Returns the unknowns with which ours is nearest to theirs, and what is left, as a share of theirs."""
-    own = {n: v for n, v in inputs.items() if n in ours.model.variables}
 
     def left(unknowns: Floats) -> Floats:
-        played = ours.play(own | reading.read(own, time, unknowns))
-        sizes = {n: float(np.linalg.norm(v)) or 1.0 for n, v in given.items()}
-        if played is None:
-            return np.full(sum(v.size for v in given.values()), 1.0)
-        return np.concatenate([((played[n] - v) / sizes[n]).ravel() for n, v in given.items()]) / len(given) ** 0.5
+        return _left(ours, inputs, reading.read(inputs, time, unknowns), given)
 
     best = min((np.array(start, float) for start in starts), key=lambda start: float(np.linalg.norm(left(start))))
     now = left(best)

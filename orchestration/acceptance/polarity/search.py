@@ -14,6 +14,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from itertools import combinations, islice
 from time import monotonic
+from typing import NamedTuple
 
 import numpy as np
 
@@ -72,6 +73,14 @@ class Identified:
         return self.before > SAME and self.after <= max(min(SMALL, part), SAME)
 
 
+class _Wired(NamedTuple):
+    """Theirs on the whole run as wired: its outputs, and `before` and `first` of `Identified`."""
+
+    outputs: dict[str, Floats]
+    before: float
+    first: tuple[str, float] | None
+
+
 class Search(Identifier):
     """Looks for what explains the difference."""
 
@@ -86,29 +95,30 @@ class Search(Identifier):
         before, first = self._as_wired(theirs)
         if before <= SAME:
             return Identified({}, {}, before, before, self.ports)
+        wired = _Wired(theirs, before, first)
         ends, complete = monotonic() + seconds, True
         singles = [{name: w} for name in self.inputs if name not in self.base for w in self.candidates(name)]
         tried = self._ranked([{}, *singles, *self.common()], INSTANTS)
-        best = self._explained(tried, theirs, before, first)
+        best = self._explained(tried, wired)
         if best.named and best.after <= ALIKE:
             return best
         if not best.named:
-            best = self._with_frame(best, theirs, before, first, monotonic() + seconds)
+            best = self._with_frame(best, wired, monotonic() + seconds)
         if not best.named:
-            best = self._with_parameter(best, [], theirs, before, first, monotonic() + seconds)
+            best = self._with_parameter(best, [], wired, monotonic() + seconds)
         if best.named and best.causes and best.causes[0].kind in ("frame", "parameter"):
             return best
         starts = [self._descend(changes, ends) for _, changes in tried[:4]]
-        found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), theirs, before, first)
+        found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), wired)
         best = min(best, found, key=_worth)
         if not best.named:
             pairs, complete = self._pairs(ends)
             starts = [self._descend(changes, ends) for _, changes in pairs[:6]]
-            found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), theirs, before, first)
+            found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), wired)
             best = min(best, found, key=_worth)
         if not best.named:
             until = monotonic() + seconds
-            best = self._with_parameter(best, tried[:3], theirs, before, first, until)
+            best = self._with_parameter(best, tried[:3], wired, until)
             complete = complete and monotonic() <= until
         return replace(best, complete=complete)
 
@@ -131,9 +141,7 @@ class Search(Identifier):
     def _explained(
         self,
         tried: Sequence[tuple[Score, Changes]],
-        theirs: dict[str, Floats],
-        before: float,
-        first: tuple[str, float] | None,
+        wired: _Wired,
         most: int = 4,
     ) -> Identified:
         """Returns the wiring among the nearest that, with causes, leaves least of the whole run."""
@@ -144,14 +152,14 @@ class Search(Identifier):
         found: list[Identified] = []
         for score, changes in [*((self.corrected(c), c) for c in plain), *again[:most]]:
             every = {**self.base, **changes}
-            read = theirs if not changes else self.theirs_on(self.whole, changes)
+            read = wired.outputs if not changes else self.theirs_on(self.whole, changes)
             if ours is None or read is None or not np.isfinite(score.error):
                 continue
             for outputs in ({}, score.outputs) if score.outputs else ({},):
                 causes, after = self.explain(ours, read, outputs)
-                found.append(Identified(every, outputs, before, after, self.ports, causes, first))
+                found.append(self._found(every, wired, after, causes, outputs))
         if not found:
-            return Identified({}, {}, before, before, self.ports, (), first)
+            return self._found({}, wired, wired.before)
         best = min(found, key=_worth)
         alike = [
             one.inputs
@@ -179,13 +187,21 @@ class Search(Identifier):
             total += self._weights[name] * min(float(np.linalg.norm(left)) / size, 2.0)
         return tuple(causes), total / sum(self._weights.values())
 
+    def _found(
+        self,
+        inputs: Changes,
+        wired: _Wired,
+        after: float,
+        causes: tuple[Cause, ...] = (),
+        outputs: dict[str, Wrong] | None = None,
+    ) -> Identified:
+        return Identified(inputs, outputs or {}, wired.before, after, self.ports, causes, wired.first)
+
     def _with_parameter(
         self,
         best: Identified,
         tried: Sequence[tuple[Score, Changes]],
-        theirs: dict[str, Floats],
-        before: float,
-        first: tuple[str, float] | None,
+        wired: _Wired,
         ends: float,
     ) -> Identified:
         """Looks for a parameter of another value, with no wiring or with one of the nearest, until the time ends."""
@@ -194,32 +210,25 @@ class Search(Identifier):
         for changes in wirings:
             read = self.misread(self.few, {**self.base, **changes})
             nearest = {n: self.given[n] for n in self.reference}
-            made = changed_parameter(self._ours, read, self.misread(self.whole, changes), nearest, theirs, ends)
+            made = changed_parameter(self._ours, read, self.misread(self.whole, changes), nearest, wired.outputs, ends)
             if made is not None:
                 cause, after = made
-                found = Identified({**self.base, **changes}, {}, before, after, self.ports, (cause,), first)
+                found = self._found({**self.base, **changes}, wired, after, (cause,))
                 if found.named:
                     return min(best, found, key=_worth)
         return best
 
-    def _with_frame(
-        self,
-        best: Identified,
-        theirs: dict[str, Floats],
-        before: float,
-        first: tuple[str, float] | None,
-        ends: float,
-    ) -> Identified:
+    def _with_frame(self, best: Identified, wired: _Wired, ends: float) -> Identified:
         """Looks for a frame in which inputs are read, until the time ends."""
         assert self.given is not None
         on_few: Floats = np.asarray(self._kept * self._ours.step, np.float64)
         on_all: Floats = np.arange(0.0, len(next(iter(self.whole.values())))) * self._ours.step
         few = self.misread(self.few, self.base), on_few, {n: self.given[n] for n in self.reference}
-        whole = self.misread(self.whole, self.base), on_all, {n: theirs[n] for n in self.reference}
+        whole = self.misread(self.whole, self.base), on_all, {n: wired.outputs[n] for n in self.reference}
         made = other_frame(self._ours, readings(self.ports, self._theirs.model.variables), few, whole, ends)
         if made is None:
             return best
-        found = Identified(self.base, {}, before, made[1], self.ports, (made[0],), first)
+        found = self._found(self.base, wired, made[1], (made[0],))
         return min(best, found, key=_worth) if found.named else best
 
     def _pairs(self, ends: float) -> tuple[list[tuple[Score, Changes]], bool]:
