@@ -8,6 +8,23 @@
 
 static void *library_opened;
 
+/* PythonFMU 0.7 lets go of the interpreter twice when the process ends: in the destructor of a static object, and after
+ * it in a function of the unloading library, which then writes into freed memory. Let go before both, it does nothing in
+ * either. The library stays in memory to the end of the process by itself (its C++ has unique symbols); where it did
+ * not, RTLD_NODELETE keeps it, as the process calls into it at its end. */
+int __cxa_atexit(void (*function)(void *), void *argument, void *library);
+
+static void let_go_before_the_end(void *library)
+{
+    union {
+        void *pointer;
+        void (*function)(void *);
+    } finalize = {.pointer = dlsym(library, "finalizePythonInterpreter")};
+    if (finalize.pointer != NULL) {
+        (void)__cxa_atexit(finalize.function, NULL, NULL);
+    }
+}
+
 void *open_library(void)
 {
     char path[PATH_SIZE];
@@ -20,7 +37,10 @@ void *open_library(void)
         length--;
     }
     (void)append(path, sizeof path, length, "libpythonfmu-export.so");
-    library_opened = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    library_opened = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    if (library_opened != NULL) {
+        let_go_before_the_end(library_opened);
+    }
     return library_opened;
 }
 
