@@ -4,7 +4,6 @@ folder."""
 import ast
 from pathlib import Path
 
-import nbformat
 import numpy as np
 import pytest
 
@@ -21,6 +20,8 @@ def shown(cell, names):
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_every_cell_of_a_notebook_runs_and_what_it_shows_is_right(path):
+    import nbformat  # here, since it takes 3 s, and each run of any test would wait for it
+
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
     names = {}

@@ -7,7 +7,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import jsonschema
 import pytest
 
 from fmus.build import build
@@ -173,6 +172,8 @@ def test_the_published_schema_is_that_of_the_models():
 
 @pytest.fixture(scope="module")
 def published():
+    import jsonschema  # here, since it takes 3 s, and each run of any test would wait for it
+
     found = json.loads(schema.text())
     form = jsonschema.validators.validator_for(found)
     form.check_schema(found)
