@@ -1,5 +1,6 @@
 """`python -m tests.vendors --count 60 --seed 1`: makes vendors' FMUs, asks the commands, and prints a table by kind.
 
+With `--rows FILE` each case is a line of JSON there, and a run that was ended goes on behind the last.
 Exit status: 1 where anything said of an FMU is false, else 0.
 """
 
@@ -13,6 +14,7 @@ from itertools import count as counting
 from pathlib import Path
 from random import Random
 from time import perf_counter
+from typing import Any
 
 import click
 
@@ -22,6 +24,8 @@ from orchestration.session.read import load, read
 from . import kinds, wrapper
 from .judge import Verdict, judge
 
+Row = dict[str, Any]
+"""A case, and what was said of it."""
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "paper_no_singularity.yaml"
 
 
@@ -46,71 +50,70 @@ def drawn(count: int, seed: int) -> Iterator[tuple[kinds.Case, bool]]:
 @click.option("--seed", default=1, show_default=True)
 @click.option("--minutes", default=10.0, show_default=True, help="No FMU is begun after so long.")
 @click.option("--only", help="Kinds that hold this text only.")
-@click.option("--json", "json_", type=click.Path(path_type=Path), help="Write each case there.")
+@click.option("--rows", "file", type=click.Path(path_type=Path), help="Add each case there; go on where it ends.")
 @click.option("--keep", type=click.Path(path_type=Path), help="Keep the FMUs in this folder.")
-def main(count: int, seed: int, minutes: float, only: str | None, json_: Path | None, keep: Path | None) -> None:
+def main(count: int, seed: int, minutes: float, only: str | None, file: Path | None, keep: Path | None) -> None:
     """Ask the commands about generated FMUs of other teams."""
     ours = read(SCENARIO)
     opened = open_scenario(load(ours))
     start = perf_counter()
-    rows: list[tuple[kinds.Case, Verdict, str, float]] = []
+    rows = [json.loads(line) for line in file.read_text("utf-8").splitlines()] if file and file.exists() else []
+    known = {row["name"] for row in rows}
     with tempfile.TemporaryDirectory() as temporary:
         folder = keep or Path(temporary)
         folder.mkdir(exist_ok=True, parents=True)
         for number, (case, fmi3) in enumerate(drawn(count, seed)):
-            if only and not any(only in kind for kind in case.kinds):
+            block = case.vendor.block
+            name = f"{seed}.{number} {block} FMI {3 if fmi3 else 2} {' + '.join(case.kinds)}"
+            if name in known or (only and not any(only in kind for kind in case.kinds)):
                 continue
             if perf_counter() - start > 60 * minutes:
                 print(f"ended after {minutes:g} min")
                 break
-            block = case.vendor.block
             path = folder / f"v{seed}_{number}.fmu"
             starts = [(start.element, start.value) for start in opened.plan.starts[block]]
             wrapper.pack(path, case.vendor, opened.fmus[block], starts, fmi3)
             begun = perf_counter()
-            name = f"{number} {block} FMI {3 if fmi3 else 2} {' + '.join(case.kinds)}"
             try:
                 verdict = judge(case, path, ours)
             except Exception as error:  # an FMU that no command can look at counts as a miss
-                verdict = Verdict(
-                    said=[f"{type(error).__name__}: {error}"], proposed=False, detected=False, named=False
-                )
-            seconds = perf_counter() - begun
-            rows.append((case, verdict, name, seconds))
-            flags = {
-                k: getattr(verdict, k) for k in ("proposed", "detected", "named") if getattr(verdict, k) is not None
-            }
-            words = "; ".join(verdict.said)
-            print(
-                f"{name} [{case.answer}, {seconds:.1f} s] {flags} {'FALSE ' if verdict.false else ''}{words}",
-                flush=True,
-            )
+                said = [f"{type(error).__name__}: {error}"]
+                verdict = Verdict(said=said, proposed=False, detected=False, named=False)
+            row = {"name": name, "kinds": case.kinds, "answer": case.answer, **vars(verdict)}
+            rows.append({**row, "seconds": perf_counter() - begun})
+            if file is not None:
+                with file.open("a", encoding="utf-8") as out:
+                    out.write(json.dumps(rows[-1]) + "\n")
+            print(line(rows[-1]), flush=True)
             if not keep:
                 path.unlink()
     print(table(rows), flush=True)
-    if json_ is not None:
-        data = [{"name": n, "answer": c.answer, **vars(v), "seconds": s} for c, v, n, s in rows]
-        json_.write_text(json.dumps(data, indent=1) + "\n", "utf-8")
-    sys.exit(1 if any(verdict.false for _, verdict, _, _ in rows) else 0)
+    sys.exit(1 if any(row["false"] for row in rows) else 0)
 
 
-def table(rows: list[tuple[kinds.Case, Verdict, str, float]]) -> str:
+def line(row: Row) -> str:
+    """Returns a case and what was said of it."""
+    flags = {key: row[key] for key in ("proposed", "detected", "named") if row[key] is not None}
+    words = ("FALSE " if row["false"] else "") + "; ".join(row["said"])
+    return f"{row['name']} [{row['answer']}, {row['seconds']:.1f} s] {flags} {words}"
+
+
+def table(rows: list[Row]) -> str:
     """Returns the counts by kind; a pair counts in both."""
     lines = [
         "",
         "| kind | FMUs | right mapping proposed | detected | named | false statements |",
         "|---|---|---|---|---|---|",
     ]
-    groups = [(name, [r for r in rows if name in r[0].kinds]) for name in kinds.KINDS]
+    groups = [(name, [row for row in rows if name in row["kinds"]]) for name in kinds.KINDS]
     for name, some in [*groups, ("all", rows)]:
         if some:
             cells = []
             for key in ("proposed", "detected", "named"):
-                values = [getattr(v, key) for _, v, _, _ in some if getattr(v, key) is not None]
+                values = [row[key] for row in some if row[key] is not None]
                 cells.append(f"{sum(values)} of {len(values)}" if values else "")
-            lines.append(
-                f"| {name} | {len(some)} | {' | '.join(cells)} | {sum(bool(v.false) for _, v, _, _ in some)} |"
-            )
+            false = sum(bool(row["false"]) for row in some)
+            lines.append(f"| {name} | {len(some)} | {' | '.join(cells)} | {false} |")
     return "\n".join(lines)
 
 

@@ -6,6 +6,7 @@
  * Longer than 250 lines: each kind of function of both versions of FMI has its own arguments. */
 #include "calls.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -59,31 +60,36 @@ EXPORT void recorder_take(Recorder *it, unsigned number, void *function)
     it->function[number] = function;
 }
 
-/* Whether so many bytes can be written. */
+/* Whether so many bytes can be written, and what `values` writes beyond. */
 static bool fits(Recorder *it, size_t bytes)
 {
-    if (it->at != NULL && (size_t)(it->end - it->at) < bytes) {
-        it->room(bytes);
+    const size_t needed = bytes + 2 * sizeof(uint64_t);
+    if (it->at != NULL && (size_t)(it->end - it->at) < needed) {
+        it->room(needed);
     }
     return it->at != NULL;
 }
 
-static void byte(Recorder *it, unsigned value)
+/* Puts a byte before what has been written behind it up to `at`: until then, and behind that, zero ends the record. */
+static void put(Recorder *it, unsigned value, uint8_t *at)
 {
-    *it->at++ = (uint8_t)value;
+    *at = END;
+    atomic_signal_fence(memory_order_seq_cst);
+    *it->at = (uint8_t)value;
+    it->at = at;
 }
 
-static void bytes(Recorder *it, const void *from, size_t count)
+static uint8_t *bytes(uint8_t *at, const void *from, size_t count)
 {
-    memcpy(it->at, from, count);
-    it->at += count;
+    memcpy(at, from, count);
+    return at + count;
 }
 
-static void text(Recorder *it, const char *from)
+static uint8_t *text(uint8_t *at, const char *from)
 {
     const uint32_t length = from == NULL ? 0 : (uint32_t)strlen(from);
-    bytes(it, &length, sizeof length);
-    bytes(it, from == NULL ? "" : from, length);
+    at = bytes(at, &length, sizeof length);
+    return bytes(at, from == NULL ? "" : from, length);
 }
 
 static size_t text_size(const char *from)
@@ -96,41 +102,46 @@ static size_t values_size(size_t count, size_t size)
     return (count + 7) / 8 + count * size;
 }
 
-static void values(Recorder *it, void *last, const void *now, size_t count, size_t size)
+static uint8_t *values(uint8_t *mask, void *last, const void *now, size_t count, size_t size)
 {
-    uint8_t *const mask = it->at, *at = mask + (count + 7) / 8, *held = last;
+    uint8_t *at = mask + (count + 7) / 8, *const held = last;
     const uint8_t *given = now;
-    memset(mask, 0, (count + 7) / 8);
-    if (size == 8) { /* as below, and quick */
-        for (size_t i = 0; i < count; i++) {
-            uint64_t a, b;
-            memcpy(&a, held + 8 * i, 8);
-            memcpy(&b, given + 8 * i, 8);
-            if (a != b) {
-                mask[i / 8] = (uint8_t)(mask[i / 8] | 1u << i % 8);
-                memcpy(held + 8 * i, &b, 8);
+    if (size == 8) { /* as below, and quick: each value is written, and the next one over it if it is the last one's */
+        for (size_t i = 0; i < count; i += 8) {
+            unsigned differ = 0;
+            for (size_t k = i; k < count && k < i + 8; k++) {
+                uint64_t a, b;
+                memcpy(&a, held + 8 * k, 8);
+                memcpy(&b, given + 8 * k, 8);
                 memcpy(at, &b, 8);
-                at += 8;
+                memcpy(held + 8 * k, &b, 8);
+                at += a != b ? 8 : 0;
+                differ |= (unsigned)(a != b) << (k - i);
             }
+            mask[i / 8] = (uint8_t)differ;
         }
-    } else {
-        for (size_t i = 0; i < count * size; i += size) {
-            if (memcmp(held + i, given + i, size) != 0) {
-                mask[i / size / 8] = (uint8_t)(mask[i / size / 8] | 1u << i / size % 8);
-                memcpy(held + i, given + i, size);
-                memcpy(at, given + i, size);
-                at += size;
-            }
+        return at;
+    }
+    memset(mask, 0, (count + 7) / 8);
+    for (size_t i = 0; i < count * size; i += size) {
+        if (memcmp(held + i, given + i, size) != 0) {
+            mask[i / size / 8] = (uint8_t)(mask[i / size / 8] | 1u << i / size % 8);
+            memcpy(held + i, given + i, size);
+            at = bytes(at, given + i, size);
         }
     }
-    it->at = at;
+    return at;
 }
 
 /* The shape of a Get or Set, which is written where it is new; NULL where it cannot be. */
 static Shape *shape_of(Recorder *it, unsigned function, const uint32_t *reference, size_t n, size_t count, size_t size)
 {
     for (Shape *one = it->shapes[function]; one != NULL; one = one->next) {
-        if (one->references == n && one->values == count && memcmp(one->reference, reference, n * 4) == 0) {
+        bool same = one->references == n && one->values == count;
+        for (size_t i = 0; same && i < n; i++) {
+            same = one->reference[i] == reference[i];
+        }
+        if (same) {
             return one;
         }
     }
@@ -143,25 +154,25 @@ static Shape *shape_of(Recorder *it, unsigned function, const uint32_t *referenc
     made->last = (uint8_t *)(made->reference + n);
     memcpy(made->reference, reference, n * 4);
     it->shapes[function] = made;
-    byte(it, SHAPE);
-    byte(it, function);
-    bytes(it, &made->references, 4);
-    bytes(it, &made->values, 4);
-    bytes(it, reference, n * 4);
+    uint8_t *at = it->at + 1;
+    *at++ = (uint8_t)function;
+    at = bytes(at, &made->references, 4);
+    at = bytes(at, &made->values, 4);
+    put(it, SHAPE, bytes(at, reference, n * 4));
     return made;
 }
 
 static void answer(Recorder *it, int status)
 {
     if (it->at != NULL) {
-        byte(it, (unsigned)status + 1u);
+        put(it, (unsigned)status + 1u, it->at + 1);
     }
 }
 
 static int plain(Recorder *it, unsigned function)
 {
     if (fits(it, 2)) {
-        byte(it, function);
+        put(it, function, it->at + 1);
     }
     const int status = ((int (*)(void *))it->function[function])(it->component);
     answer(it, status);
@@ -180,28 +191,30 @@ static Shape *begin(Recorder *it, unsigned function, const uint32_t *reference, 
     if (shape == NULL || !fits(it, needed)) {
         return NULL;
     }
-    byte(it, function);
-    bytes(it, &(uint16_t){(uint16_t)shape->number}, 2);
+    uint8_t *at = bytes(it->at + 1, &(uint16_t){(uint16_t)shape->number}, 2);
     if (sets && size > 0) {
-        values(it, shape->last, given, count, size);
+        at = values(at, shape->last, given, count, size);
     }
     for (size_t i = 0; size == 0 && sets && i < count; i++) {
-        text(it, ((const char *const *)given)[i]);
+        at = text(at, ((const char *const *)given)[i]);
     }
+    put(it, function, at);
     return shape;
 }
 
 static int finish(Recorder *it, Shape *shape, const void *taken, size_t count, size_t size, bool sets, int status)
 {
-    answer(it, status);
-    if (!sets && shape != NULL && it->at != NULL && status <= 1) {
-        if (size > 0) {
-            values(it, shape->last, taken, count, size);
-        }
-        for (size_t i = 0; size == 0 && i < count; i++) {
+    if (sets || shape == NULL || it->at == NULL || status > 1) {
+        answer(it, status);
+    } else if (size > 0) {
+        put(it, (unsigned)status + 1u, values(it->at + 1, shape->last, taken, count, size));
+    } else {
+        answer(it, status);
+        for (size_t i = 0; i < count; i++) {
             const char *one = ((const char *const *)taken)[i];
             if (fits(it, text_size(one))) {
-                text(it, one);
+                it->at = text(it->at, one);
+                *it->at = END;
             }
         }
     }
@@ -217,7 +230,7 @@ static int finish(Recorder *it, Shape *shape, const void *taken, size_t count, s
     EXPORT void recorded_##name(Recorder *it)                                                                          \
     {                                                                                                                  \
         if (fits(it, 2)) {                                                                                             \
-            byte(it, IS_##name);                                                                                       \
+            put(it, IS_##name, it->at + 1);                                                                            \
         }                                                                                                              \
         ((void (*)(void *))it->function[IS_##name])(it->component);                                                    \
         answer(it, 0);                                                                                                 \
@@ -244,8 +257,7 @@ static int finish(Recorder *it, Shape *shape, const void *taken, size_t count, s
     EXPORT int recorded_##name(Recorder *it, type state)                                                               \
     {                                                                                                                  \
         if (fits(it, 10)) {                                                                                            \
-            byte(it, IS_##name);                                                                                       \
-            bytes(it, &(uint64_t){(uint64_t)(uintptr_t)(address)}, 8);                                                 \
+            put(it, IS_##name, bytes(it->at + 1, &(uint64_t){(uint64_t)(uintptr_t)(address)}, 8));                     \
         }                                                                                                              \
         const int status = ((int (*)(void *, type))it->function[IS_##name])(it->component, state);                     \
         answer(it, status);                                                                                            \
@@ -257,12 +269,13 @@ static int finish(Recorder *it, Shape *shape, const void *taken, size_t count, s
     EXPORT int recorded_##name(Recorder *it, void **state)                                                             \
     {                                                                                                                  \
         if (fits(it, 10)) {                                                                                            \
-            byte(it, IS_##name);                                                                                       \
+            put(it, IS_##name, it->at + 1);                                                                            \
         }                                                                                                              \
         const int status = ((int (*)(void *, void **))it->function[IS_##name])(it->component, state);                  \
         answer(it, status);                                                                                            \
         if (it->at != NULL) {                                                                                          \
-            bytes(it, &(uint64_t){(uint64_t)(uintptr_t)*state}, 8);                                                    \
+            it->at = bytes(it->at, &(uint64_t){(uint64_t)(uintptr_t)*state}, 8);                                       \
+            *it->at = END;                                                                                             \
         }                                                                                                              \
         return status;                                                                                                 \
     }
@@ -270,8 +283,7 @@ static int finish(Recorder *it, Shape *shape, const void *taken, size_t count, s
     EXPORT int recorded_##name(Recorder *it, int which, int *value)                                                    \
     {                                                                                                                  \
         if (fits(it, 3)) {                                                                                             \
-            byte(it, IS_##name);                                                                                       \
-            byte(it, (unsigned)which);                                                                                 \
+            put(it, IS_##name, bytes(it->at + 1, &(uint8_t){(uint8_t)which}, 1));                                      \
         }                                                                                                              \
         const int status = ((int (*)(void *, int, int *))it->function[IS_##name])(it->component, which, value);        \
         answer(it, status);                                                                                            \
@@ -288,9 +300,7 @@ static Recorder *instantiate(unsigned function, const char *name, const char *to
 {
     Recorder *const it = next;
     if (fits(it, 2 + text_size(name) + text_size(token))) {
-        byte(it, function);
-        text(it, name);
-        text(it, token);
+        put(it, function, text(text(it->at + 1, name), token));
     }
     return it;
 }
@@ -329,8 +339,7 @@ static void setup(Recorder *it, unsigned function, double defined, double tolera
 {
     const double given[SETUP_VALUES] = {defined, tolerance, start, stops, stop};
     if (fits(it, 2 + values_size(SETUP_VALUES, 8))) {
-        byte(it, function);
-        values(it, it->setup, given, SETUP_VALUES, 8);
+        put(it, function, values(it->at + 1, it->setup, given, SETUP_VALUES, 8));
     }
 }
 
@@ -359,8 +368,7 @@ static void step(Recorder *it, unsigned function, double time, double length)
 {
     const double given[STEP_VALUES] = {time, length};
     if (fits(it, 2 + values_size(STEP_VALUES, 8) + values_size(STEP_ANSWERS, 8))) {
-        byte(it, function);
-        values(it, it->step, given, STEP_VALUES, 8);
+        put(it, function, values(it->at + 1, it->step, given, STEP_VALUES, 8));
     }
 }
 
@@ -380,9 +388,9 @@ EXPORT int recorded_fmi3DoStep(Recorder *it, double time, double length, bool no
     const int status =
         ((int (*)(void *, double, double, bool, bool *, bool *, bool *, double *))it->function[IS_fmi3DoStep])(
             it->component, time, length, no_restore, event, end, early, last);
-    answer(it, status);
     if (it->at != NULL) {
-        values(it, it->answers, (const double[STEP_ANSWERS]){*event, *end, *early, *last}, STEP_ANSWERS, 8);
+        const double given[STEP_ANSWERS] = {*event, *end, *early, *last};
+        put(it, (unsigned)status + 1u, values(it->at + 1, it->answers, given, STEP_ANSWERS, 8));
     }
     return status;
 }

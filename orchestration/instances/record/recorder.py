@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread
 from typing import Any
 
 from ...errors import InputError, reason
@@ -23,9 +25,9 @@ from ..compilation import compiled
 FOLDER = Path(__file__).parent
 FIRST = "FMI calls 1"
 """The first line of a record."""
-_WINDOW = 1 << 16
-"""Bytes of the window, which begins with where in the record it belongs."""
-_OFFSET = struct.Struct("<Q")
+_WINDOW, _WINDOWS = 1 << 16, 4
+"""Bytes of a window, which begins with where in the record it belongs, and how many there are."""
+_OFFSET, _HEAD = struct.Struct("<Q"), struct.Struct("<QB")
 _ROOM, _MEMORY = c.CFUNCTYPE(None, c.c_size_t), c.CFUNCTYPE(c.c_void_p, c.c_size_t)
 
 
@@ -79,8 +81,9 @@ def _library(kind: Any) -> c.CDLL:
 class Recorder:
     """Stands in the place of a library that is loaded.
 
-    What is recorded goes to a small file that is mapped, `calls.tail`, and from there to the end of the record whenever
-    it is full: so few pages are touched, and all of it is kept if the process ends.
+    What is recorded goes to windows on a small file that is mapped, `calls.tail`, in turn. A thread writes a full one
+    behind the record while the next is filled: so few pages are touched, the calls need not wait for the disk, and all
+    of it is kept if the process ends.
     """
 
     def __init__(self, dll: c.CDLL, asked: Record) -> None:
@@ -93,7 +96,8 @@ class Recorder:
         self._pointer = c.c_void_p(c.addressof(self._memory[0]))
         self._head.room, self._head.memory = _ROOM(self._room), _MEMORY(self._more)
         self._file = asked.path.open("wb", buffering=0)
-        self._file.write(asked.head.encode())
+        self._offset = self._file.write(asked.head.encode())
+        self._ended = False
         self._map(_WINDOW)
         number = 0
         while (name := self._own.recorder_name(number)) is not None:
@@ -115,34 +119,63 @@ class Recorder:
         return c.addressof(self._memory[-1])
 
     def _map(self, size: int) -> None:
-        """Maps an empty window of this size. Raises OSError."""
+        """Maps empty windows of this size. Raises OSError."""
         with _tail(self._path).open("w+b", buffering=0) as file:
-            file.truncate(size)
-            self._window = mmap.mmap(file.fileno(), size)
-        self._base = c.addressof(c.c_char.from_buffer(self._window))
-        self._begin()
+            file.truncate(_WINDOWS * size)
+            mapped = mmap.mmap(file.fileno(), _WINDOWS * size)
+        self._windows = [memoryview(mapped)[i * size : (i + 1) * size] for i in range(_WINDOWS)]
+        self._full, self._free = SimpleQueue[tuple[int, int] | None](), SimpleQueue[int]()
+        for i in range(1, _WINDOWS):
+            self._free.put(i)
+        self._begin(0)
+        self._writer = Thread(target=self._write, daemon=True)
+        self._writer.start()
 
-    def _begin(self) -> None:
-        _OFFSET.pack_into(self._window, 0, self._file.tell())
-        self._head.at, self._head.end = self._base + _OFFSET.size, self._base + len(self._window)
+    def _begin(self, number: int) -> None:
+        window = self._windows[number]
+        _HEAD.pack_into(window, 0, self._offset, 0)
+        self._number, self._base = number, c.addressof(c.c_char.from_buffer(window))
+        self._head.at, self._head.end = self._base + _OFFSET.size, self._base + len(window)
+
+    def _write(self) -> None:
+        """Writes full windows into the record, until there is none to come or the disk has no room for one."""
+        while (full := self._full.get()) is not None:
+            number, used = full
+            try:
+                self._file.write(self._windows[number][_OFFSET.size : used])
+            except OSError:
+                self._ended = True
+            self._free.put(number)
 
     def _room(self, needed: int) -> None:
-        """Empties the window into the record; the recording ends where the disk has no room for it."""
-        used = self._head.at - self._base
+        """Hands the window to the thread that writes, and takes another one; the recording ends where the disk has no
+        room for it."""
         try:
-            self._file.write(memoryview(self._window)[_OFFSET.size : used])
-            if needed + _OFFSET.size > len(self._window):
+            self._hand_on()
+            if needed + _OFFSET.size > len(self._windows[0]):
+                self._finish()
                 self._map(needed + _OFFSET.size)
             else:
-                c.memset(self._base + _OFFSET.size, 0, used - _OFFSET.size)
-                self._begin()
+                self._begin(self._free.get())
         except OSError:
+            self._ended = True
+        if self._ended:
             self._head.at = self._head.end = None
+
+    def _hand_on(self) -> None:
+        used = self._head.at - self._base
+        self._offset += used - _OFFSET.size
+        self._full.put((self._number, used))
+
+    def _finish(self) -> None:
+        self._full.put(None)
+        self._writer.join()
 
     def close(self) -> None:
         """Completes the record."""
         if self._head.at is not None:
-            self._room(0)
+            self._hand_on()
+        self._finish()
         self._head.at = self._head.end = None
         self._file.close()
         _tail(self._path).unlink(missing_ok=True)
@@ -153,14 +186,17 @@ def _tail(record: Path) -> Path:
 
 
 def complete(record: Path) -> None:
-    """Puts what a process that has ended left in the window behind the record. Raises OSError."""
+    """Puts what a process that has ended left in the windows behind the record. Raises OSError."""
     tail = _tail(record)
     if not tail.exists():
         return
     data = tail.read_bytes()
+    windows = [data[at : at + len(data) // _WINDOWS] for at in range(0, len(data), len(data) // _WINDOWS)]
     with record.open("r+b") as file:
-        file.seek(*_OFFSET.unpack_from(data))
-        file.write(data[_OFFSET.size :])
+        for window in sorted(windows, key=_OFFSET.unpack_from):
+            if (at := _OFFSET.unpack_from(window)[0]) > 0:
+                file.seek(at)
+                file.write(window[_OFFSET.size :])
     tail.unlink()
 
 
