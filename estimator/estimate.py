@@ -12,7 +12,7 @@ from . import lasting, onboard
 from .banked import Banked, Seen, by_bank
 from .filter import propagated
 from .health import ATTITUDE, FIELD, RATE, SUN, noticed
-from .isolation import compared, gyro_weighed, rate_chosen, unknown_torque
+from .isolation import LASTS, compared, disturbance_sigma, gyro_lost, gyro_weighed, rate_chosen, unknown_torque
 from .measurements import by_field, by_sun, by_tracker, started
 from .orbit import with_orbit
 from .parameters import Parameters
@@ -118,14 +118,14 @@ def _by_dynamics(x: Estimate, field_N: Array, given: Given, p: Parameters, h: fl
         return replace(x, momentum=after)
     r = norm(x.r_N)
     nadir = math.sqrt(3.0 * p.gravitational_parameter / (r * r * r)) / r * x.r_N
-    torques = Torques(
-        p.J_B, p.J_inverse, p.wheel_axis / norm(p.wheel_axis), p.rod_axes.T @ given.dipole, field_N, nadir, wheel
-    )
+    axis, dipole_B = p.wheel_axis / norm(p.wheel_axis), p.rod_axes.T @ given.dipole
+    torques = Torques(p.J_B, p.J_inverse, axis, dipole_B, field_N, nadir, wheel, x.disturbance_B)
     growth = torques.growth(x.omega_B, x.momentum)
     R, turn, omega = turn_by_dynamics(x.R, x.omega_B, x.momentum, torques, h)
-    unknown = unknown_torque(x, p)
-    walk = (p.momentum_random_walk * p.momentum_random_walk + unknown * unknown) * p.J_inverse @ p.J_inverse.T
-    return _spread(replace(x, R=R, rate=omega + x.rate_bias, momentum=after), turn, 1.0, growth, walk, 0.0, p, h)
+    unknown = unknown_torque(x.omega_B, R, torques) if gyro_lost(x, p) else p.momentum_random_walk
+    walk = unknown * unknown * p.J_inverse @ p.J_inverse.T
+    x = replace(x, R=R, rate=omega + x.rate_bias, momentum=after, disturbance_B=math.exp(-h / LASTS) * x.disturbance_B)
+    return _spread(x, turn, 1.0, growth, walk, 0.0, p, h)
 
 
 def _spread(
@@ -133,5 +133,8 @@ def _spread(
 ) -> Estimate:
     if not (x.tracking and h > 0.0):
         return x
-    P, transition = propagated(x.P, turn, h, sign, F, walk, angle_walk, p.field_random_walk)
+    lost = gyro_lost(x, p)
+    push, lasts = (p.J_inverse, math.exp(-h / LASTS)) if lost else (NO_MATRIX, 1.0)
+    bias_walk = math.sqrt(2.0 / LASTS) * disturbance_sigma(p) if lost else p.field_random_walk
+    P, transition = propagated(x.P, turn, h, sign, F, walk, angle_walk, bias_walk, push, lasts)
     return replace(x, P=P, S=lasting.spread(x.S, transition, x.omega_B if x.by_gyro else ZERO, p))

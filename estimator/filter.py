@@ -18,7 +18,7 @@ import numpy as np
 from .so3 import Array, exp, right_jacobian
 
 ATTITUDE, RATE, BIAS = slice(0, 3), slice(3, 6), slice(6, 9)
-"""Where the three parts of the error stand."""
+"""Where the three parts of the error stand; where the gyro has failed the last one is that of the disturbance."""
 
 
 @dataclass(frozen=True)
@@ -36,18 +36,29 @@ class Innovation:
 
 
 def propagated(
-    P: Array, turn: Array, h: float, sign: float, F: Array, walk: Array, angle_walk: float, bias_walk: float
+    P: Array,
+    turn: Array,
+    h: float,
+    sign: float,
+    F: Array,
+    walk: Array,
+    angle_walk: float,
+    bias_walk: float,
+    push: Array,
+    lasts: float,
 ) -> tuple[Array, Array]:
     """The covariance P (9,9) after h s, in which the body turns by `turn` (3,), rad, and the transition (9,9).
 
     The rate's error grows by F (3,3), 1/s, and by noise of `walk` (3,3), rad2/s3; it turns the attitude's error with
     `sign`: -1 for a gyro's bias, +1 for a rate. `angle_walk`, rad, and `bias_walk`, T, are standard deviations of 1 s.
+    Where the last part is a torque, it pushes the rate by `push` (3,3), 1/(kg m2), and `lasts` of it is left after h.
     """
     transition, noise = np.eye(9), np.zeros((9, 9))
     growth = h * F
     transition[ATTITUDE, ATTITUDE] = exp(turn).T
     transition[ATTITUDE, RATE] = sign * h * right_jacobian(turn) @ (np.eye(3) + 0.5 * growth)
     transition[RATE, RATE] = np.eye(3) + growth + 0.5 * growth @ growth
+    transition[RATE, BIAS], transition[BIAS, BIAS] = h * push, lasts * np.eye(3)
     noise[ATTITUDE, ATTITUDE] = h * angle_walk * angle_walk * np.eye(3) + h * h * h / 3.0 * walk
     noise[ATTITUDE, RATE] = noise[RATE, ATTITUDE] = sign * 0.5 * h * h * walk
     noise[RATE, RATE] = h * walk

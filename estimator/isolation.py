@@ -16,6 +16,7 @@ from . import health
 from .health import ATTITUDE, CALM, FIELD, RATE, SUN, averaged, weighed
 from .lasting import without_rate
 from .parameters import Parameters
+from .rates import Torques
 from .so3 import Array, cross, norm
 from .state import Estimate
 
@@ -27,8 +28,10 @@ RATE_UNKNOWN = 0.05
 """rad/s; deviation of the rate at a start without the gyro."""
 RATE_LOST, STALE = 1e-3, 10.0
 """rad/s by which the rate changes over what the gyro takes to be frozen, and that time, s."""
-INERTIA_OFF = 1.0
-"""s^(1/2); the momentum's random walk without the gyro, over omega x J omega."""
+TORQUE_OFF = 1.0
+"""s^(1/2); the momentum's random walk where the gyro has failed, over the torques of turning and rods."""
+LASTS, RADIAN = 6000.0, 1000.0
+"""s for which the disturbance stays alike, an orbit; a radian of it."""
 CONSISTENT = 3.0
 """Deviations of the gyro from the equations of motion."""
 
@@ -94,11 +97,16 @@ def rate_chosen(x: Estimate, p: Parameters) -> Estimate:
     if p.rate_source != "gyro" or by_gyro == x.by_gyro:
         return x
     P = x.P.copy()
+    P[6:9] = 0.0
+    P[:, 6:9] = 0.0
     if by_gyro:
         P[3:6] = 0.0
         P[:, 3:6] = 0.0
         P[3:6, 3:6] = p.rate_bias_sigma * p.rate_bias_sigma * np.eye(3)
+        P[6:9, 6:9] = p.field_bias_sigma * p.field_bias_sigma * np.eye(3)
         return without_rate(replace(x, P=P, by_gyro=True), 0.0)
+    P[6:9, 6:9] = disturbance_sigma(p) ** 2 * np.eye(3)
+    x = replace(x, disturbance_B=np.zeros(3))
     omega = norm(x.omega_B)
     frozen = x.watch[RATE].health == health.FROZEN
     rate = RATE_LOST + omega * omega * STALE if frozen else 10.0 * RATE_LOST + p.rate_bias_sigma
@@ -109,14 +117,22 @@ def rate_chosen(x: Estimate, p: Parameters) -> Estimate:
     return without_rate(replace(x, P=P, by_gyro=False), -1.0)
 
 
-def unknown_torque(x: Estimate, p: Parameters) -> float:
-    """Random walk of the momentum, N m s for 1 s, beside the parameter's, of a tumble without the gyro: the inertia is
-    not exact."""
-    if p.rate_source != "gyro":
-        return 0.0
-    return INERTIA_OFF * norm(cross(x.omega_B, p.J_B @ x.omega_B))
+def gyro_lost(x: Estimate, p: Parameters) -> bool:
+    """Whether the filter goes without its gyro. It then estimates a disturbance in the place of the field's bias."""
+    return p.rate_source == "gyro" and not x.by_gyro
 
 
-def start_rate_sigma(x: Estimate, p: Parameters) -> float:
-    """rad/s, of the rate's or bias's error at a start."""
-    return RATE_UNKNOWN if p.rate_source == "gyro" and not x.by_gyro else p.rate_bias_sigma
+def disturbance_sigma(p: Parameters) -> float:
+    """N m, of a disturbance that stays alike for LASTS: the momentum's random walk over RADIAN, by that time."""
+    return p.momentum_random_walk / math.sqrt(RADIAN)
+
+
+def unknown_torque(omega_B: Array, R: Array, torques: Torques) -> float:
+    """Random walk of the momentum, N m s for 1 s, beside the disturbance: neither inertia nor rods are exact."""
+    turning = cross(omega_B, torques.J @ omega_B)
+    return TORQUE_OFF * (norm(turning) + norm(cross(torques.dipole_B, R.T @ torques.field_N)))
+
+
+def start_sigmas(x: Estimate, p: Parameters) -> tuple[float, float]:
+    """Of a start: rad/s, of the rate's or bias's error; T or N m, of the field's bias or of the disturbance."""
+    return (RATE_UNKNOWN, disturbance_sigma(p)) if gyro_lost(x, p) else (p.rate_bias_sigma, p.field_bias_sigma)

@@ -14,7 +14,7 @@ import numpy as np
 from . import health, lasting
 from .filter import ATTITUDE, BIAS, RATE, Innovation, corrected
 from .health import weighed
-from .isolation import backed, restarted, start_rate_sigma
+from .isolation import backed, gyro_lost, restarted, start_sigmas
 from .parameters import Parameters
 from .so3 import Array, exp, hat, log, norm
 from .start import sine, triad
@@ -69,7 +69,7 @@ def started(
         spread = ANCHOR_FACTOR * (2.0 * off + p.rate_bias_sigma * x.anchor_age) / sine(field_N, x.anchor_N)
         lasts = 2.0 * field / sine(field_N, x.anchor_N)
     if R is not None:
-        x = replace(x, P=start_covariance(spread, start_rate_sigma(x, p), p), S=lasting.begun(lasts), since_start=0.0)
+        x = replace(x, P=start_covariance(spread, *start_sigmas(x, p)), S=lasting.begun(lasts), since_start=0.0)
         return replace(x, R=R, known=True, tracking=True, anchored=False, in_a_row=np.zeros(3))
     if b_B is not None and x.by_gyro and (not x.anchored or x.anchor_age > ANCHOR_AGE):
         return replace(x, anchored=True, anchor_B=b_B, anchor_N=field_N, anchor_age=0.0)
@@ -91,7 +91,8 @@ def by_sun(x: Estimate, sun_B: Array, sun_N: Array, p: Parameters) -> Estimate:
 
 def by_field(x: Estimate, b_B: Array, field_N: Array, variance: float, p: Parameters) -> Estimate:
     b = x.R.T @ field_N
-    return _taken(x, FIELD, Innovation(b_B - b - x.field_bias, hat(b), np.eye(3), np.full(3, variance)), p)
+    biased = NO_MATRIX if gyro_lost(x, p) else np.eye(3)
+    return _taken(x, FIELD, Innovation(b_B - b - x.field_bias, hat(b), biased, np.full(3, variance)), p)
 
 
 def _taken(x: Estimate, sensor: int, innovation: Innovation, p: Parameters) -> Estimate:
@@ -115,12 +116,14 @@ def _taken(x: Estimate, sensor: int, innovation: Innovation, p: Parameters) -> E
         x = restarted(x) if well else x.watched(SENSOR[sensor], replace(w, suspect=True))
     if not (within and x.watch[SENSOR[sensor]].trusted and x.tracking):
         return x
+    lost = gyro_lost(x, p)
     return replace(
         x,
         R=x.R @ exp(error[ATTITUDE]),
         rate=x.rate if x.by_gyro else x.rate + error[RATE],
         rate_bias=x.rate_bias + error[RATE] if x.by_gyro else x.rate_bias,
-        field_bias=x.field_bias + error[BIAS],
+        field_bias=x.field_bias if lost else x.field_bias + error[BIAS],
+        disturbance_B=x.disturbance_B + error[BIAS] if lost else x.disturbance_B,
         P=P,
         S=lasting.corrected(x.S, gains, innovation, lasting.lasting(sensor, innovation, p)),
     )

@@ -29,11 +29,14 @@ class Torques:
     """sqrt(3 mu/r^3) times the unit position, 1/s: the gravity gradient is nadir x J nadir."""
     wheel: float
     """dl/dt, N m"""
+    disturbance_B: Array
+    """N m"""
 
     def acceleration(self, R: Array, omega: Array, momentum: float) -> Array:
-        """dω/dt (3,): J dω/dt = (J ω + l a) × ω + m × Rᵀ B + nadir × J nadir - dl/dt a."""
+        """dω/dt (3,): J dω/dt = (J ω + l a) × ω + m × Rᵀ B + nadir × J nadir - dl/dt a + d."""
         nadir, field = R.T @ self.nadir_N, R.T @ self.field_N
         torque = cross(self.J @ omega + momentum * self.wheel_axis, omega) + cross(self.dipole_B, field)
+        torque = torque + self.disturbance_B
         return self.J_inverse @ (torque + cross(nadir, self.J @ nadir) - self.wheel * self.wheel_axis)
 
     def growth(self, omega: Array, momentum: float) -> Array:

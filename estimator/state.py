@@ -73,6 +73,8 @@ class Estimate:
     """By the model."""
     anchor_age: float
     """s"""
+    disturbance_B: Array
+    """N m; of the satellite where the gyro has failed."""
     nis: Array
     rejected: Array
     in_a_row: Array
@@ -130,7 +132,7 @@ def blank(omega_B: Array, p: Parameters) -> Estimate:
         rate=omega_B if gyro else ZERO,
         rate_bias=ZERO,
         field_bias=ZERO,
-        P=start_covariance(math.pi, p.rate_bias_sigma, p),
+        P=start_covariance(math.pi, p.rate_bias_sigma, p.field_bias_sigma),
         S=NO_LASTING,
         since_rate=0.0,
         r_N=ZERO,
@@ -142,6 +144,7 @@ def blank(omega_B: Array, p: Parameters) -> Estimate:
         anchor_B=ZERO,
         anchor_N=ZERO,
         anchor_age=0.0,
+        disturbance_B=ZERO,
         nis=ZERO,
         rejected=ZERO,
         in_a_row=ZERO,
@@ -184,7 +187,7 @@ def _unpacked(cls: type[_Kept], values: Array, at: list[int]) -> _Kept:
     return cls(**parts)
 
 
-def start_covariance(attitude_sigma: float, rate_sigma: float, p: Parameters) -> Array:
+def start_covariance(attitude_sigma: float, rate_sigma: float, bias_sigma: float) -> Array:
     """(9,9), with nothing known but deviations in each axis."""
-    sigmas = np.repeat((attitude_sigma, rate_sigma, p.field_bias_sigma), 3)
+    sigmas = np.repeat((attitude_sigma, rate_sigma, bias_sigma), 3)
     return np.diag(sigmas * sigmas)

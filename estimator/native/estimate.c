@@ -8,8 +8,8 @@
 
 static const double PI = 3.14159265358979323846;
 static const Matrix ZERO = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-static const double LIGHT_MIN = 0.5;   /* of the Sun that must be seen for its direction to count */
-static const double INERTIA_OFF = 1.0; /* s^(1/2) */
+static const double LIGHT_MIN = 0.5;  /* of the Sun that must be seen for its direction to count */
+static const double TORQUE_OFF = 1.0; /* s^(1/2): the momentum's walk, over torques that are not exactly known */
 
 static bool is_zero(const double v[3])
 {
@@ -66,16 +66,20 @@ static void forward_by_dynamics(const EstimatorLaw *law, const Given *given, Vec
         .field_N = field_N,
         .nadir_N = scale(sqrt(3.0 * law->p.gravitational_parameter / (r * r * r)) / r, x->r_N),
         .wheel = wheel,
+        .disturbance_B = x->disturbance_B,
     };
     Vector omega = subtract(x->rate, x->rate_bias);
-    const double fallback =
-        law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO ? INERTIA_OFF * norm(cross(omega, apply(law->J, omega))) : 0.0;
-    const double square = law->p.momentum_random_walk * law->p.momentum_random_walk + fallback * fallback;
-    Matrix walk = multiply(law->J_inverse, transposed(law->J_inverse));
-    walk = (Matrix){scale(square, walk.a), scale(square, walk.b), scale(square, walk.c)};
     const Matrix growth = estimator_rate_growth(&torques, omega, before);
+    const Vector turning = cross(omega, apply(law->J, omega));
     const Vector turn = estimator_turn_by_dynamics(&torques, before, h, &x->R, &omega);
+    const Vector rods = cross(torques.dipole_B, apply_transposed(x->R, field_N));
+    const double unknown =
+        estimator_gyro_lost(law, x) ? TORQUE_OFF * (norm(turning) + norm(rods)) : law->p.momentum_random_walk;
+    Matrix walk = multiply(law->J_inverse, transposed(law->J_inverse));
+    const double square = unknown * unknown;
+    walk = (Matrix){scale(square, walk.a), scale(square, walk.b), scale(square, walk.c)};
     x->rate = add(omega, x->rate_bias);
+    x->disturbance_B = scale(exp(-h / ESTIMATOR_LASTS), x->disturbance_B);
     estimator_spread(law, turn, 1.0, growth, walk, 0.0, h, x);
 }
 

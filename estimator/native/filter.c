@@ -46,18 +46,32 @@ Transition estimator_propagate(Vector turn, double h, double sign, Matrix F, con
     const Matrix A = transposed(rotation_exp(turn));
     const Matrix B = add_scaled(ZERO, sign * h, multiply(jacobian, add_scaled(identity, 0.5, growth)));
     const Matrix C = add_scaled(add_scaled(identity, 1.0, growth), 0.5, multiply(growth, growth));
-    /* P <- T P T^T with T = [[A, B, 0], [0, C, 0], [0, 0, 1]]: first the rows, then the columns. */
+    const Matrix D = walks->by_torque ? add_scaled(ZERO, h, walks->push) : ZERO;
+    const double lasts = walks->by_torque ? walks->lasts : 1.0;
+    /* P <- T P T^T with T = [[A, B, 0], [0, C, D], [0, 0, lasts]]: first the rows, then the columns. */
     Covariance M = *P;
     for (int j = 0; j < ERROR_STATES; j += 3) {
         set_block(add_scaled(multiply(A, block(P, ERROR_ATTITUDE, j)), 1.0, multiply(B, block(P, ERROR_RATE, j))),
                   ERROR_ATTITUDE, j, &M);
-        set_block(multiply(C, block(P, ERROR_RATE, j)), ERROR_RATE, j, &M);
+        Matrix rate = multiply(C, block(P, ERROR_RATE, j));
+        if (walks->by_torque) {
+            const Matrix torque = block(P, ERROR_BIAS, j);
+            rate = add_scaled(rate, 1.0, multiply(D, torque));
+            set_block(add_scaled(ZERO, lasts, torque), ERROR_BIAS, j, &M);
+        }
+        set_block(rate, ERROR_RATE, j, &M);
     }
     *P = M;
     for (int i = 0; i < ERROR_STATES; i += 3) {
         const Matrix left = block(&M, i, ERROR_ATTITUDE), right = block(&M, i, ERROR_RATE);
         set_block(add_scaled(multiply(left, transposed(A)), 1.0, multiply(right, transposed(B))), i, ERROR_ATTITUDE, P);
-        set_block(multiply(right, transposed(C)), i, ERROR_RATE, P);
+        Matrix rate = multiply(right, transposed(C));
+        if (walks->by_torque) {
+            const Matrix torque = block(&M, i, ERROR_BIAS);
+            rate = add_scaled(rate, 1.0, multiply(torque, transposed(D)));
+            set_block(add_scaled(ZERO, lasts, torque), i, ERROR_BIAS, P);
+        }
+        set_block(rate, i, ERROR_RATE, P);
     }
     set_block(add_scaled(add_scaled(block(P, ERROR_ATTITUDE, ERROR_ATTITUDE), h * walks->angle, identity),
                          h * h * h / 3.0, walks->rate),
@@ -69,7 +83,7 @@ Transition estimator_propagate(Vector turn, double h, double sign, Matrix F, con
     set_block(add_scaled(block(P, ERROR_RATE, ERROR_RATE), h, walks->rate), ERROR_RATE, ERROR_RATE, P);
     set_block(add_scaled(block(P, ERROR_BIAS, ERROR_BIAS), h * walks->bias, identity), ERROR_BIAS, ERROR_BIAS, P);
     symmetrise(P);
-    return (Transition){A, B, C};
+    return (Transition){A, B, C, D, lasts};
 }
 
 /* One component: y = row . error + noise of variance r. Gives K, y and s, and returns y^2/s. */

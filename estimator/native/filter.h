@@ -1,4 +1,5 @@
-/* The covariance of the error state: attitude (small turn in body axes), rate or its bias, bias of the field. */
+/* The covariance of the error state: attitude (small turn in body axes), rate or its bias, bias of the field; where the
+ * gyro has failed the last part is the disturbance. */
 #ifndef ESTIMATOR_FILTER_H
 #define ESTIMATOR_FILTER_H
 
@@ -26,10 +27,14 @@ typedef struct {
     double m[ERROR_STATES][LASTING];
 } Sensitivity;
 
-/* Process noise: variances that the errors gain in 1 s. */
+/* Process noise: variances that the errors gain in 1 s. Where the last part of the error state is that of a torque, it
+ * pushes the rate, and `lasts` of it is left after the step. */
 typedef struct {
-    double angle, bias; /* rad2, T2 */
+    double angle, bias; /* rad2, T2 or (N m)2 */
     Matrix rate;        /* rad2/s2 */
+    bool by_torque;
+    Matrix push; /* 1/(kg m2) */
+    double lasts;
 } Walks;
 
 /* A measurement against its prediction: y = H_attitude delta (+ mu where it is biased) + noise of variances r. */
@@ -44,9 +49,11 @@ typedef struct {
 /* With nothing known but standard deviations in each axis. */
 void estimator_covariance_at_start(double attitude, double rate, double bias, Covariance *P);
 
-/* The blocks of the transition: of the attitude's error, of the rate's error into it, of the rate's error. */
+/* The blocks of the transition: of the attitude's error, of the rate's error into it, of the rate's error; of a torque
+ * into that, and what is left of it. */
 typedef struct {
-    Matrix attitude, turned, rate;
+    Matrix attitude, turned, rate, pushed;
+    double lasts;
 } Transition;
 
 /* After h s, in which the body turns by `turn`, rad: the rate's error grows by F, 1/s, and turns the attitude's with

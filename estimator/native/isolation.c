@@ -8,6 +8,7 @@ static const double BACKED = 0.5;      /* averages of sensors against each other
 static const double RESTARTED = 600.0; /* s; who starts again within it has a wrong gyro */
 static const double RATE_LOST = 1e-3;  /* rad/s; a rate's change over what the gyro takes to be frozen */
 static const double STALE = 10.0;      /* s; that time */
+static const double RADIAN = 1000.0;   /* s, of an orbit */
 
 const int estimator_sensor_of[GATED] = {SENSOR_FIELD, SENSOR_SUN, SENSOR_ATTITUDE};
 
@@ -64,6 +65,27 @@ void estimator_compare(const EstimatorLaw *law, const Directions *seen, Estimate
     }
 }
 
+bool estimator_gyro_lost(const EstimatorLaw *law, const Estimate *x)
+{
+    return law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO && !x->by_gyro;
+}
+
+double estimator_disturbance_sigma(const EstimatorLaw *law)
+{
+    return law->p.momentum_random_walk / sqrt(RADIAN);
+}
+
+/* Three errors become independent of all others. */
+static void forget(int first, double deviation, Covariance *P)
+{
+    for (int j = first; j < first + 3; ++j) {
+        for (int i = 0; i < ERROR_STATES; ++i) {
+            P->m[j][i] = P->m[i][j] = 0.0;
+        }
+        P->m[j][j] = deviation * deviation;
+    }
+}
+
 void estimator_weigh_gyro(const EstimatorLaw *law, Vector measured, Estimate *x)
 {
     const double spread = law->p.rate_bias_sigma;
@@ -96,17 +118,12 @@ void estimator_choose_rate(const EstimatorLaw *law, Estimate *x)
             x->P.m[ERROR_ATTITUDE + j][ERROR_ATTITUDE + j] += 0.25 * rate * rate * STALE * STALE;
             x->P.m[ERROR_RATE + j][ERROR_RATE + j] += rate * rate;
         }
+        forget(ERROR_BIAS, estimator_disturbance_sigma(law), &x->P);
+        x->disturbance_B = (Vector){0.0, 0.0, 0.0};
         estimator_lasting_rate(-1.0, x);
     } else if (!x->by_gyro && by_gyro) {
-        const double spread = law->p.rate_bias_sigma;
-        for (int i = 0; i < ERROR_STATES; ++i) {
-            for (int j = 0; j < 3; ++j) {
-                x->P.m[ERROR_RATE + j][i] = x->P.m[i][ERROR_RATE + j] = 0.0;
-            }
-        }
-        for (int j = 0; j < 3; ++j) {
-            x->P.m[ERROR_RATE + j][ERROR_RATE + j] = spread * spread;
-        }
+        forget(ERROR_RATE, law->p.rate_bias_sigma, &x->P);
+        forget(ERROR_BIAS, law->p.field_bias_sigma, &x->P);
         estimator_lasting_rate(0.0, x);
     }
     x->by_gyro = by_gyro;

@@ -18,10 +18,12 @@ void estimator_lasting_begin(double off, Estimate *x)
 
 static void spread(const EstimatorLaw *law, const Transition *t, Estimate *x)
 {
-    double A[3][3], B[3][3], C[3][3], omega[3];
+    double A[3][3], B[3][3], C[3][3], D[3][3], omega[3];
     store_matrix(t->attitude, A);
     store_matrix(t->turned, B);
     store_matrix(t->rate, C);
+    store_matrix(t->pushed, D);
+    const bool by_torque = estimator_gyro_lost(law, x);
     store(subtract(x->rate, x->rate_bias), omega);
     double (*S)[LASTING] = x->S.m;
     for (int k = 0; k < LASTING; ++k) {
@@ -30,6 +32,12 @@ static void spread(const EstimatorLaw *law, const Transition *t, Estimate *x)
             S[ERROR_ATTITUDE + i][k] =
                 A[i][0] * a[0] + A[i][1] * a[1] + A[i][2] * a[2] + B[i][0] * r[0] + B[i][1] * r[1] + B[i][2] * r[2];
             S[ERROR_RATE + i][k] = C[i][0] * r[0] + C[i][1] * r[1] + C[i][2] * r[2];
+        }
+        for (int i = 0; by_torque && i < 3; ++i) {
+            S[ERROR_RATE + i][k] += D[i][0] * S[6][k] + D[i][1] * S[7][k] + D[i][2] * S[8][k];
+        }
+        for (int i = ERROR_BIAS; by_torque && i < ERROR_STATES; ++i) {
+            S[i][k] *= t->lasts;
         }
     }
     for (int i = 0; i < 3; ++i) {
@@ -42,9 +50,11 @@ static void spread(const EstimatorLaw *law, const Transition *t, Estimate *x)
 void estimator_spread(const EstimatorLaw *law, Vector turn, double sign, Matrix F, Matrix walk, double angle_variance,
                       double h, Estimate *x)
 {
-    const double bias = law->p.field_random_walk;
+    const bool lost = estimator_gyro_lost(law, x);
+    const double bias =
+        lost ? sqrt(2.0 / ESTIMATOR_LASTS) * estimator_disturbance_sigma(law) : law->p.field_random_walk;
     if (x->tracking && h > 0.0) {
-        const Walks walks = {angle_variance, bias * bias, walk};
+        const Walks walks = {angle_variance, bias * bias, walk, lost, law->J_inverse, exp(-h / ESTIMATOR_LASTS)};
         const Transition transition = estimator_propagate(turn, h, sign, F, &walks, &x->P);
         spread(law, &transition, x);
     }
@@ -97,6 +107,7 @@ void estimator_lasting_rate(double sign, Estimate *x)
             x->S.m[i][k] *= sign;
         }
     }
+    memset(x->S.m[ERROR_BIAS], 0, 3 * sizeof x->S.m[0]);
 }
 
 double estimator_bound(const EstimatorLaw *law, const Estimate *x, bool doubtful)

@@ -62,8 +62,9 @@ void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *
         lasting = 2.0 * field / sine(seen->field_N, x->anchor_N);
     }
     if (begun) {
-        const bool lost = p->rate_source == ESTIMATOR_RATE_SOURCE_GYRO && !x->by_gyro;
-        estimator_covariance_at_start(deviation, lost ? RATE_UNKNOWN : p->rate_bias_sigma, p->field_bias_sigma, &x->P);
+        const bool lost = estimator_gyro_lost(law, x);
+        estimator_covariance_at_start(deviation, lost ? RATE_UNKNOWN : p->rate_bias_sigma,
+                                      lost ? estimator_disturbance_sigma(law) : p->field_bias_sigma, &x->P);
         estimator_lasting_begin(lasting, x);
         x->known = x->tracking = true;
         x->anchored = false;
@@ -102,7 +103,8 @@ static void take(const EstimatorLaw *law, int sensor, const Innovation *innovati
     }
     x->P = P;
     x->R = multiply(x->R, rotation_exp(vector(given.error + ERROR_ATTITUDE)));
-    x->field_bias = add(x->field_bias, vector(given.error + ERROR_BIAS));
+    Vector *last = estimator_gyro_lost(law, x) ? &x->disturbance_B : &x->field_bias;
+    *last = add(*last, vector(given.error + ERROR_BIAS));
     Vector *rate = x->by_gyro ? &x->rate_bias : &x->rate;
     *rate = add(*rate, vector(given.error + ERROR_RATE));
     estimator_lasting_take(law, sensor, innovation, (const double (*)[ERROR_STATES])given.gains, x);
@@ -139,7 +141,8 @@ void estimator_take(const EstimatorLaw *law, const Directions *seen, Estimate *x
     estimator_compare(law, seen, x);
     for (int i = 0; i < GATED; ++i) {
         if (has[i] && x->tracking) {
-            const Innovation innovation = estimator_innovation(law, seen, order[i], x->R, x->field_bias);
+            Innovation innovation = estimator_innovation(law, seen, order[i], x->R, x->field_bias);
+            innovation.biased = innovation.biased && !estimator_gyro_lost(law, x);
             take(law, order[i], &innovation, x);
         }
     }

@@ -14,12 +14,12 @@ static Vector with_wheel(const Torques *torques, Vector omega, double momentum)
     return add(apply(torques->J, omega), scale(momentum, torques->wheel_axis));
 }
 
-/* J d omega/dt = (J omega + l a) x omega + m x B + nadir x J nadir - dl/dt a. */
+/* J d omega/dt = (J omega + l a) x omega + m x B + nadir x J nadir - dl/dt a + d. */
 static Vector acceleration(const Torques *torques, Matrix R, Vector omega, double momentum)
 {
     const Vector nadir = apply_transposed(R, torques->nadir_N), field = apply_transposed(R, torques->field_N);
     Vector torque = add(cross(with_wheel(torques, omega, momentum), omega), cross(torques->dipole_B, field));
-    torque = add(torque, cross(nadir, apply(torques->J, nadir)));
+    torque = add(add(torque, torques->disturbance_B), cross(nadir, apply(torques->J, nadir)));
     return apply(torques->J_inverse, subtract(torque, scale(torques->wheel, torques->wheel_axis)));
 }
 

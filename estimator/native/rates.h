@@ -11,6 +11,7 @@ typedef struct {
     Vector dipole_B, field_N; /* A m2, T */
     Vector nadir_N;           /* sqrt(3 mu/r^3) times the unit position, 1/s */
     double wheel;             /* dl/dt, N m */
+    Vector disturbance_B;     /* N m */
 } Torques;
 
 /* The turn, rad, of a step of h s by the rates of the last measurement and of this one, `since` s apart. */

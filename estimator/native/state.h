@@ -49,6 +49,7 @@ typedef struct {
     bool anchored;
     Vector anchor_B, anchor_N;
     double anchor_age;
+    Vector disturbance_B; /* N m; of the satellite where the gyro has failed */
     double nis[GATED];
     int32_t rejected[GATED], in_a_row[GATED];
     Watch watch[SENSORS];
@@ -107,6 +108,15 @@ bool estimator_is_backed(int gated, const Estimate *x);
 
 /* The filter starts again: the last resort. Where it has done so just before, its gyro is wrong. */
 void estimator_restart(Estimate *x);
+
+/* s for which the disturbance stays alike: an orbit. */
+static const double ESTIMATOR_LASTS = 6000.0;
+
+/* Whether the filter goes without its gyro. It then estimates a disturbance in the place of the field's bias. */
+bool estimator_gyro_lost(const EstimatorLaw *law, const Estimate *x);
+
+/* N m, of that disturbance: the momentum's random walk over a radian of the orbit, by that time. */
+double estimator_disturbance_sigma(const EstimatorLaw *law);
 
 /* Weighs the gyro against the equations of motion by which the filter goes without it. */
 void estimator_weigh_gyro(const EstimatorLaw *law, Vector measured, Estimate *x);

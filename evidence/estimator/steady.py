@@ -32,7 +32,7 @@ def of_filter(sigma: float, angle_walk: float, rate_walk: float, T: float, updat
     eye, zero = np.eye(3), np.zeros((3, 3))
     before = 0.0
     for _ in range(updates):
-        P = propagated(P, np.zeros(3), T, -1.0, zero, rate_walk**2 * eye, angle_walk, 0.0)[0]
+        P = propagated(P, np.zeros(3), T, -1.0, zero, rate_walk**2 * eye, angle_walk, 0.0, zero, 1.0)[0]
         before = math.sqrt(P[0, 0])
         P = corrected(P, Innovation(np.zeros(3), eye, zero, np.full(3, sigma * sigma)))[1]
     return before, math.sqrt(P[0, 0])

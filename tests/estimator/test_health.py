@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 import estimator
 from estimator import onboard
+from estimator.filter import propagated
 from estimator.health import BLANK, FROZEN, GOOD, INCONSISTENT, noticed
 from plant.orbit import from_position_velocity
 from tests.blocks import inputs, parameters
@@ -176,3 +177,22 @@ def test_a_coarse_quantum_is_no_failure() -> None:
     for _ in range(20 * (int(w.longest.max()) + 1) + 1):
         w = noticed(w, np.zeros(3), every=False)
     assert w.frozen
+
+
+def test_without_the_gyro_a_torque_that_is_not_known_makes_the_error_of_a_body_pushed_by_it() -> None:
+    """A constant torque of deviation s turns a body at rest by s t^2/2J: the covariance's closed form."""
+    J, s, h, steps = np.diag((2.0, 3.0, 4.0)), 1e-5, 0.5, 400
+    P, none, t = np.diag(np.repeat((0.0, 0.0, s * s), 3)), np.zeros((3, 3)), h * steps
+    for _ in range(steps):
+        P = propagated(P, np.zeros(3), h, 1.0, none, none, 0.0, 0.0, np.linalg.inv(J), 1.0)[0]
+    assert np.sqrt(np.diag(P)[3:6]) == pytest.approx(s * t / np.diag(J), rel=1e-9)
+    assert np.sqrt(np.diag(P)[:3]) == pytest.approx(s * t * t / (2.0 * np.diag(J)), rel=1.5 / steps)
+
+
+def test_a_torque_is_forgotten_over_its_time_and_keeps_its_deviation() -> None:
+    """A Gauss-Markov process: driven by white noise of 2 s^2/T it has the deviation s, after however long."""
+    s, h, T, none = 1e-5, 0.5, 6000.0, np.zeros((3, 3))
+    P = np.zeros((9, 9))
+    for _ in range(100_000 // 50):
+        P = propagated(P, np.zeros(3), 50 * h, 1.0, none, none, 0.0, s * np.sqrt(2 / T), none, np.exp(-50 * h / T))[0]
+    assert np.sqrt(P[6, 6]) == pytest.approx(s, rel=5e-3)

@@ -55,6 +55,17 @@ def test_the_attitude_of_an_estimator_is_taken_as_it_is():
         assert not np.any(y["rate_bias_estimate_B"])
 
 
+def test_nothing_is_learned_from_a_rate_that_the_estimator_has_without_its_gyro():
+    """What it learned before stays: the gains of the start, of rods that have failed."""
+    without = flown(without_bias(failing()), spoilt_without_gyro, **NO_TARGET)[1]
+    assert not any(y["rod_failed"] for y in without)
+    assert estimated(without, "rod_gains_estimate") == pytest.approx(1.0, abs=1e-12)
+
+
+def spoilt_without_gyro(i, sample):
+    return off()(i, sample) | {"rate_health": np.full(len(sample["R_NB"]), 2)}
+
+
 class StuckOn(Tumbles):
     """Rod 1 gives a fifth of its dipole whatever is commanded."""
 

@@ -6,6 +6,7 @@
 
 #include <string.h>
 
+enum { RATE_LOST = 2 };                                /* health of a gyro that is frozen or inconsistent */
 static const double GAIN_MIN = 1e-3;                   /* of a dead rod: it keeps its direction */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
@@ -186,6 +187,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
     controller_planned_set_noise(p, u, &x->identification);
+    controller_planned_set_taught(u->rate_health < RATE_LOST, &x->identification);
     controller_planned_set_disturbance(&x->scales, x->strained, &x->identification);
     const Vector bias = vector(x->identification.p + BIAS);
     if (p->find_failures) {

@@ -143,6 +143,10 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
     store(turn, innovation);
     store(rate, innovation + RATE_STATE);
     id->bias = vector(id->p + BIAS);
+    if (!id->taught) {
+        controller_planned_take_measured(id);
+        return;
+    }
     const bool suspected = watched && watch(dt, rate, id);
     if (suspected) {
         controller_planned_suspect_rods(id);

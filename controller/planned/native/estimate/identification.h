@@ -30,6 +30,7 @@ typedef struct {
     double limit[4];     /* of the bias, rad/s; of the disturbance, N m; of the dipole, A m2; of the products, kg m2 */
     double variance[2];  /* rad2, rad2/s2, of a measurement */
     Vector sigma_B;      /* rad, of an attitude that an estimator gives */
+    bool taught;         /* the rate is measured: an estimate by the equations of motion tells nothing */
     bool estimated;      /* an estimator gives attitude and rate: errors of its attitude last, and tell nothing */
     double dipole;       /* A m2, of the strongest rod at its limit */
     double rate_density; /* rad2/s3, of the model's error at rest */
@@ -57,6 +58,9 @@ void controller_planned_identification_start(const ControllerPlannedParameters *
  * with these deviations, rad, and rate, without a bias. */
 void controller_planned_set_noise(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u,
                                   Identification *id);
+
+/* Whether the rate is measured. Where it no longer is, a suspicion of rods came from the gyro, and is forgotten. */
+void controller_planned_set_taught(bool taught, Identification *id);
 
 /* The bound of the disturbance, and how soon it is forgotten. */
 void controller_planned_set_disturbance(const Scales *scales, bool strained, Identification *id);

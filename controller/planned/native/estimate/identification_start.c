@@ -45,12 +45,25 @@ void controller_planned_begin_properties(Identification *id)
     id->watch.wide = false;
 }
 
-void controller_planned_suspect_rods(Identification *id)
+static void begin_unknowns(double stuck_on, Identification *id)
 {
     controller_planned_begin_properties(id);
-    forget(id, GAINS, 3, WIDE_SPREAD);
     memset(id->p + TORQUE, 0, (UNKNOWNS - TORQUE) * sizeof id->p[0]);
-    begin_torques(STUCK_ON_SPREAD * id->dipole, id);
+    begin_torques(stuck_on, id);
+}
+
+void controller_planned_set_taught(bool taught, Identification *id)
+{
+    if (id->taught && !taught && id->watch.wide) {
+        begin_unknowns(0.0, id);
+    }
+    id->taught = taught;
+}
+
+void controller_planned_suspect_rods(Identification *id)
+{
+    begin_unknowns(STUCK_ON_SPREAD * id->dipole, id);
+    forget(id, GAINS, 3, WIDE_SPREAD);
     id->excess[0] = id->excess[1] = id->excess[2] = 1.0;
     id->alike[0] = id->alike[1] = 0.0;
     id->watch.wide = true;
