@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from difflib import SequenceMatcher
+from itertools import groupby, product
 
 from ..fmu.model import Model, Variable
 from ..quantities import ONE, QuantityError, Unit, parse_unit
@@ -15,11 +16,15 @@ from .words import words_of
 
 _INDEX = re.compile(r"([xyzwsXYZWS0-9])(?=_|$)")
 """A letter or digit of a name that may be the index of an element."""
-_PAIR = re.compile(r"([0-3])[_.,]?([0-3])(?=_|$)")
-"""Two digits of a name that may be the indices of a matrix's element."""
+_PAIR = re.compile(r"([0-3xyz])[_.,]?(?:column_?|col_?|c)?([0-3xyz])(?=_|$)")
+"""Two digits or letters of a name that may be the indices of a matrix's element: `C11`, `row1_x`, `r1c2`, `xy`."""
 _ORDERS = ("xyz", "123", "012", "wxyz", "xyzw", "sxyz", "xyzs", "0123", "1234", "123456789", "012345678")
 """Endings of the scalars of one vector, in its order."""
-_IN = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]|\bin ([^\s,;:]{1,20})")
+_IN = re.compile(r"[\[(]([^\[\]()]{1,20})[\])]|\b(?:in|en) ([^\s,;:]{1,20})|, ?([^\s,;:]{1,20})$")
+_SIGNS = str.maketrans({"·": ".", "⋅": ".", "*": ".", "²": "2", "µ": "u", "μ": "u", "°": "deg"})
+"""Of units as people write them."""
+_TOGETHER = 3, 4, 9
+"""So many scalars in a row may be one vector, quaternion or matrix, though no index tells it."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +38,8 @@ class Candidate:
     shape: tuple[int, ...]
     stem: str
     """The name, of scalars without the index."""
+    in_a_row: bool = False
+    """Whether nothing but their place tells that they belong together."""
 
 
 def candidates(theirs: Model, causality: str) -> list[Candidate]:
@@ -56,11 +63,29 @@ def candidates(theirs: Model, causality: str) -> list[Candidate]:
             order = "".join(members) if "".join(members) in orders else orders[0]
             chosen = [members[letter] for letter in order]
             found.append(Candidate(tuple(v.name for v in chosen), chosen[0], len(chosen), (len(chosen),), stem))
+    return found + _in_a_row(variables, {name for one in found if len(one.names) > 1 for name in one.names})
+
+
+def _in_a_row(variables: list[Variable], indexed: set[str]) -> list[Candidate]:
+    """Returns scalars of one unit that follow each other without an index, such as `p`, `q`, `r`."""
+    alone = [None if v.size > 1 or v.name in indexed else (v.type, str(v.unit)) for v in variables]
+    found = []
+    for kind, group in groupby(range(len(variables)), alone.__getitem__):
+        chosen = [variables[i] for i in group]
+        names, n = tuple(v.name for v in chosen), len(chosen)
+        if kind is not None and n in _TOGETHER and _alike(names, {v.description for v in chosen}):
+            found.append(Candidate(names, chosen[0], n, (3, 3) if n == 9 else (n,), "_".join(names), True))
     return found
 
 
+def _alike(names: tuple[str, ...], descriptions: set[str]) -> bool:
+    """Whether names of one letter, a common beginning or end, or one description speak for one vector."""
+    alike = any(len({name[part] for name in names}) == 1 for part in (slice(3), slice(-3, None)))
+    return alike or all(len(name) == 1 for name in names) or len(descriptions - {""}) == 1
+
+
 def _matrices(scalars: list[Variable]) -> list[Candidate]:
-    """Returns scalars that are the elements of a matrix of 3 by 3: `C11`, `dcm_1_3`, `R_02`."""
+    """Returns scalars that are the elements of a matrix of 3 by 3: `C11`, `dcm_1_3`, `R_02`, `dcm_row1_x`."""
     stems: dict[str, dict[str, Variable]] = {}
     for variable in scalars:
         for match in _PAIR.finditer(variable.name):
@@ -68,8 +93,8 @@ def _matrices(scalars: list[Variable]) -> list[Candidate]:
             stems.setdefault(stem, {})[match[1] + match[2]] = variable
     found = []
     for stem, members in stems.items():
-        for digits in ("123", "012"):
-            order = [i + j for i in digits for j in digits]
+        for rows, columns in product(("123", "012", "xyz"), repeat=2):
+            order = [i + j for i in rows for j in columns]
             if stem and set(order) == set(members):
                 chosen = [members[key] for key in order]
                 found.append(Candidate(tuple(v.name for v in chosen), chosen[0], 9, (3, 3), stem))
@@ -95,10 +120,10 @@ def shared_words(ours: str, theirs: str) -> float:
 
 def told_unit(candidate: Candidate, own: Unit) -> Unit | None:
     """Returns a unit that fits ours and that their name or description holds: `rate_dps`, `[nT]`, `in mN.m`."""
-    texts = [a or b for a, b in _IN.findall(candidate.variable.description)]
+    texts = [a or b or c for a, b, c in _IN.findall(candidate.variable.description)]
     texts += re.split(r"[_.]", candidate.stem)[1:]
     for text in texts:
-        unit = usual_unit(text.rstrip("."))
+        unit = usual_unit(text.rstrip(".").translate(_SIGNS))
         if unit is not None and own.exponents != ONE.exponents and own.fits(unit):
             return unit
     return None

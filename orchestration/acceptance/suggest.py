@@ -22,7 +22,7 @@ from ..scenario.text import written
 from ..swap.findings import Fit
 from .candidates import Candidate, candidates, likeness, shared_words, told_unit, usual_unit
 from .polarity.wrongs import USUAL
-from .words import SEQUENCE, axes, direction, meanings, opposite, rotation_form
+from .words import SEQUENCE, axes, direction, meanings, of_orbit, opposite, rotation_form, scalar_last
 
 _UNSURE = 0.4
 """A second candidate with a score this near leaves the first unsure."""
@@ -60,6 +60,25 @@ class _Suggestion:
         for causality in ("input", "output", "parameter"):
             for optional in (False, True):
                 self._assign(causality, optional, taken)
+        for causality in ("input", "output"):
+            self._take_what_is_left(causality, taken)
+
+    def _take_what_is_left(self, causality: str, taken: set[Element]) -> None:
+        """Takes for what has to be there the one candidate of its type, size and unit that is left."""
+        of = [v for v in self.reference.model.of(causality) if not self._stands(v) and not self._spare(v)]
+        for ours in of:
+            left: dict[tuple[str, ...], _Match] = {}
+            for candidate in candidates(self.theirs, causality):
+                elements = {e for name in candidate.names for e in self._variable(name).elements}
+                match = _Match(ours, candidate, 0.0, ["the only one left of its size and unit"], unsure=True)
+                alike = candidate.variable.type == ours.type and candidate.shape == ours.shape
+                if alike and not elements & taken and (ours.type != "real" or self._units(match)):
+                    left[candidate.names] = match
+            rivals = [v for v in of if v is not ours and v.shape == ours.shape and unit_of(v).fits(unit_of(ours))]
+            if len(left) == 1 and not rivals:
+                self.matches[ours.name] = match = left.popitem()[1]
+                match.unsure = True
+                taken |= {e for name in match.candidate.names for e in self._variable(name).elements}
 
     def _assign(self, causality: str, optional: bool, taken: set[Element]) -> None:
         """Takes the best candidate for each of ours, the best pair first; of what has to be there before the rest."""
@@ -102,6 +121,8 @@ class _Suggestion:
         if ours.causality == "parameter" and name < _LEAST_NAME:
             return None
         match = _Match(ours, candidate, 2.0 * name + words, [f"names {100 * name:.0f} % alike"])
+        if candidate.in_a_row:
+            match.why.append("scalars in a row")
         if words:
             match.why.append("descriptions share words")
         if ours.causality != "parameter" and not self._meaning(match):
@@ -115,11 +136,9 @@ class _Suggestion:
         if len(candidate.names) == 1 and candidate.shape != ours.shape and not quaternion:
             match.extra["matrix"] = [[int(i == j) for j in range(ours.size)] for i in range(ours.size)]
         if quaternion:
-            last = candidate.names[-1][-1:] in "wsWS" or re.search(
-                r"scalar.{0,12}last|last.{0,12}scalar", theirs.description, re.I
-            )
+            last = scalar_last(candidate.names, theirs.description)
             match.extra["quaternion"] = "scalar last" if last else "scalar first"
-            match.unsure = not last and "first" not in theirs.description and candidate.names[0][-1:] not in "wsWS"
+            match.unsure = last is None
             if self._backwards(match):
                 match.extra["inverse"] = True
             match.score += 2.0
@@ -130,6 +149,7 @@ class _Suggestion:
             match.score += 0.5
         if ours.causality != "parameter":
             self._frames(match)
+        match.unsure = match.unsure or candidate.in_a_row
         return match if match.score >= _LEAST else None
 
     def _meaning(self, match: _Match) -> bool:
@@ -177,6 +197,9 @@ class _Suggestion:
             match.candidate = replace(match.candidate, names=turned)
             match.extra.pop("matrix", None)
             match.why.append("of the inverse rotation")
+        if of_orbit(theirs.description) and not of_orbit(ours.description):
+            match.unsure = True
+            match.why.append("their words tell a rate relative to the orbit, which no mapping gives")
         told = axes(theirs.description)
         if ours.shape == (3,) and ours.causality == "input" and told and told != ours.frame and ours.frame:
             for other in self.reference.model.of("input"):

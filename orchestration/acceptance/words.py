@@ -7,18 +7,20 @@ tests/orchestration/acceptance/test_suggest.py.
 from __future__ import annotations
 
 import re
+import unicodedata
 from itertools import pairwise
 
 _MEANINGS = {
     "attitude": "attitude att dcm cosine quaternion quat q mrp rodrigues euler rotvec orientation rotmat rpy",
-    "rate": "rate rates gyro gyros omega angular angvel ang imu w spin",
-    "field": "magnetic magnetometer mag field bfield mfield geomagnetic tam b mtm",
-    "position": "position pos r location radius",
-    "velocity": "velocity vel v",
-    "torque": "torque trq moment t tau couple ctrl control",
-    "wheel": "wheel rw reaction rotor motor flywheel tacho rwa l",
-    "momentum": "momentum h speed tacho tach mom",
-    "dipole": "dipole dipoles mtq magnetorquer magnetorquers torquer torquers rod rods coil coils current currents mtr",
+    "rate": "rate rates gyro gyros omega angular angvel ang imu w spin drehrate winkelgeschwindigkeit",
+    "field": "magnetic magnetometer mag field bfield mfield geomagnetic tam b mtm magnetfeld champ campo",
+    "position": "position pos r location radius posicion",
+    "velocity": "velocity vel v geschwindigkeit vitesse velocidad",
+    "torque": "torque trq moment moments t tau couple ctrl control drehmoment sollmoment stellmoment",
+    "wheel": "wheel rw reaction rotor motor flywheel tacho rwa l rad schwungrad radmoment roue rueda",
+    "momentum": "momentum h speed tacho tach mom drall drehimpuls drehzahl",
+    "dipole": "dipole dipoles mtq magnetorquer magnetorquers torquer torquers rod rods coil coils current currents mtr "
+    "dipolmoment dipolmomente spule spulen bobine bobines dipolo",
     "sun": "sun css fss solar",
     "acceleration": "acceleration accel",
     "reference": "ref reference desired target guidance setpoint",
@@ -44,12 +46,16 @@ FRAMES = {
 }
 SIDES = (("rotor", "motor"), ("body", "spacecraft", "satellite", "reaction"))
 """Of a wheel's torque: on what it acts; on the other side it has the opposite sign."""
+_MAGNETIC_MOMENT = re.compile(r"\b(?:magnet\w*|magn)[ _]?moments?\b|\bmoments? magnet\w*", re.I)
+_OF_ORBIT = re.compile(r"\b(?:relative to|with respect to|wrt|w\.r\.t\.|against)(?: the)? (?:lvlh|orbit)", re.I)
 _WORD = r"[A-Za-z0-9]+"
 _TO = re.compile(rf"\b({_WORD})(?:[- ](?:frame|axes|coordinates))?(?: to |[- ]to[- ]|->|2| into )(?:the )?({_WORD})\b")
 
 
 def words_of(text: str) -> list[str]:
-    """Returns the words of a name or a description, in small letters."""
+    """Returns the words of a name or a description, in small letters and without accents."""
+    text = unicodedata.normalize("NFKD", text)
+    text = "".join(letter for letter in text if not unicodedata.combining(letter))
     parts = re.sub(r"([a-z])([A-Z])", r"\1 \2", re.sub(r"_[A-Z]{1,2}\d*$", "", text))
     return [word.lower() for word in re.split(r"[^A-Za-z]+", parts) if word]
 
@@ -58,6 +64,8 @@ def meanings(name: str, description: str = "") -> set[str]:
     """Returns what a port means by its name; by its description as well, but for single letters."""
     found = {m for word in words_of(name) for m in _OF.get(word, ())}
     found |= {m for word in words_of(description.partition(":")[0]) if len(word) > 2 for m in _OF.get(word, ())}
+    if any(_MAGNETIC_MOMENT.search(" ".join(words_of(text))) for text in (name, description)):
+        found.add("dipole")
     for strong, weak in _OVERRULED.items():
         if strong in found:
             found -= set(weak)
@@ -85,6 +93,11 @@ def axes(text: str) -> str:
     return _frame(match[1]) if match else ""
 
 
+def of_orbit(text: str) -> bool:
+    """Whether a rate is told to be relative to the orbit's axes."""
+    return _OF_ORBIT.search(text) is not None
+
+
 def opposite(ours: str, theirs: str) -> bool:
     """Whether two descriptions of a torque name opposite sides."""
 
@@ -97,6 +110,16 @@ def opposite(ours: str, theirs: str) -> bool:
 
     one, other = side(ours), side(theirs)
     return one is not None and other is not None and one != other
+
+
+def scalar_last(names: tuple[str, ...], text: str) -> bool | None:
+    """Returns whether a quaternion is told to have its scalar last; None where it is not told."""
+    last, first = names[-1][-1:] in "wsWS", names[0][-1:] in "wsWS"
+    told_last = r"scalar.{0,12}last|last.{0,12}scalar|vector.{0,8}first|x\W*y\W*z\W*[ws]\b|jpl"
+    told_first = r"scalar.{0,12}first|first.{0,12}scalar|vector.{0,8}last|\b[ws]\W*x\W*y\W*z|hamilton"
+    last = last or re.search(told_last, text, re.I) is not None
+    first = first or re.search(told_first, text, re.I) is not None
+    return last if last != first else None
 
 
 SEQUENCE = re.compile(r"\b([xyz]{3})\b|\b([XYZ]{3})\b|\b([123])-?([123])-?([123])\b")

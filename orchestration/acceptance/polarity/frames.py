@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
-from time import monotonic
 
 import numpy as np
 
 from ... import rotation
 from ...fmu.model import Floats, Variable
-from .bench import Bench
+from .bench import Bench, clock
 from .causes import Cause, along
 from .ports import Port
 from .wrongs import frames_of
@@ -30,6 +29,8 @@ _SERVES, _NEAR = 1e-4, 0.05
 """Shares of the outputs' size up to which one explains them, and up to which it is looked at on the whole run."""
 _PART = 0.02
 """And a share of the difference as wired, up to which one explains it."""
+_NEAR_WITH_CAUSES = 0.2
+"""The latter where causes are looked for besides."""
 _CLEAR, _EXACT = 3.0, 1e-8
 """Another with as few unknowns serves as well where it leaves at most so many times the least, or so much."""
 _LEAST = 1e-5
@@ -38,6 +39,8 @@ _STEP, _TINY, _MOST = 1e-6, 1e-11, 20
 """rad: of differences, and that ends the fit; and so many times it goes on."""
 
 Inputs = Mapping[str, Floats]
+Rest = Callable[[Inputs | None], tuple[tuple[Cause, ...], float]]
+"""The causes of what outputs of ours leave, and how much those leave; of None, where ours refuses its inputs, all."""
 
 
 @dataclass(frozen=True)
@@ -60,31 +63,44 @@ def other_frame(
     few: tuple[Inputs, Floats, Inputs],
     whole: tuple[Inputs, Floats, Inputs],
     ends: float,
-) -> tuple[Cause, float] | None:
+    rest: Rest | None = None,
+) -> tuple[tuple[Cause, ...], float] | None:
     """Returns the frame in which inputs are read, and what it leaves of the whole run; None where none explains it.
 
     `few` and `whole` are inputs (instants, elements), their times (instants,) in s, and the outputs of theirs on them.
-    None is begun after `ends`, by the monotonic clock, and then none is named: another could serve as well.
+    None is begun after `ends`, by `clock`, and then none is named: another could serve as well. With `rest`, which
+    explains what a reading leaves of the outputs, its causes follow.
     """
-    found: list[tuple[float, Reading, Floats]] = []
+    found: list[tuple[float, Reading, Floats, tuple[Cause, ...]]] = []
     as_wired = float(np.linalg.norm(_left(ours, whole[0], {}, whole[2])))
     for reading in allowed:
-        if monotonic() > ends:
+        if reading.starts != ((),) and any(left < _EXACT and not len(u) for left, _, u, _ in found):
+            break  # fewer unknowns are preferred
+        if clock() > ends:
             return None
         unknowns, left = _fitted(ours, reading, *few, reading.starts)
-        if left > _NEAR or (len(unknowns) and np.abs(unknowns).max() < _LEAST):
+        if len(unknowns) and (left > (_NEAR if rest is None else _NEAR_WITH_CAUSES) or np.abs(unknowns).max() < _LEAST):
             continue
-        unknowns, left = _fitted(ours, reading, *whole, (tuple(unknowns.tolist()),))
+        tried = [unknowns]
+        if len(unknowns) or rest is None:
+            again, left = _fitted(ours, reading, *whole, (tuple(unknowns.tolist()),))
+            tried = [again] if rest is None else [unknowns, again]
+        causes: tuple[Cause, ...] = ()
+        if rest is not None:
+            made = [(*rest(_read(ours, reading, *whole[:2], u)), u) for u in tried]
+            causes, left, unknowns = min(made, key=lambda one: one[1])
+        else:
+            unknowns = tried[0]
         if left < min(_SERVES, _PART * as_wired):
-            found.append((left, reading, unknowns))
+            found.append((left, reading, unknowns, causes))
     if not found:
         return None
-    most = max(_CLEAR * min(left for left, _, _ in found), _EXACT)
+    most = max(_CLEAR * min(one[0] for one in found), _EXACT)
     found = sorted((one for one in found if one[0] <= most), key=lambda one: (len(one[2]), one[0]))
-    left, reading, unknowns = found[0]
-    others = [f"{r.where}: {r.words(u)}" for _, r, u in found[1:] if len(u) == len(unknowns)]
+    left, reading, unknowns, causes = found[0]
+    others = [f"{r.where}: {r.words(u)}" for _, r, u, _ in found[1:] if len(u) == len(unknowns)]
     words = "; or equally well ".join([reading.words(unknowns), *others])
-    return Cause("frame", reading.where, reading.size(unknowns), words, left), left
+    return (Cause("frame", reading.where, reading.size(unknowns), words, left), *causes), left
 
 
 def readings(ports: Mapping[str, Port], variables: Mapping[str, Variable]) -> Iterator[Reading]:
@@ -163,6 +179,12 @@ def _left(ours: Bench, inputs: Inputs, read: Inputs, given: Inputs) -> Floats:
         return np.full(sum(v.size for v in given.values()), 1.0)
     parts = [(played[n] - v) / (float(np.linalg.norm(v)) or 1.0) for n, v in given.items()]
     return np.concatenate([part.ravel() for part in parts]) / len(given) ** 0.5
+
+
+def _read(ours: Bench, reading: Reading, inputs: Inputs, time: Floats, unknowns: Floats) -> Inputs | None:
+    """Returns what ours gives where it reads some inputs otherwise."""
+    read = {**inputs, **reading.read(inputs, time, unknowns)}
+    return ours.play({n: v for n, v in read.items() if n in ours.model.variables})
 
 
 def _fitted(

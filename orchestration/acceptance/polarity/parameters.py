@@ -7,12 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from time import monotonic
 
 import numpy as np
 
 from ...fmu.model import Element, Floats
-from .bench import Bench
+from .bench import Bench, clock
 from .causes import Cause
 
 _RANGE = 0.4, 2.5
@@ -36,11 +35,11 @@ def changed_parameter(
     """Returns the parameter, and what it leaves of the whole run; None where none explains it.
 
     `few` and `whole` are inputs (instants, elements), `given_few` and `given` the outputs of theirs on them. No
-    parameter is begun after `ends`, by the monotonic clock, and then none is named: another could serve as well.
+    parameter is begun after `ends`, by `clock`, and then none is named: another could serve as well.
     """
     found: list[tuple[float, str, float, float]] = []
     for name in _parameters(ours):
-        if monotonic() > ends:
+        if clock() > ends:
             return None
         left = cache(_left(ours, name, few, given_few))
         if all(left(end) == left(1.0) for end in _RANGE):  # it has no effect on these inputs

@@ -8,6 +8,7 @@ import erfa
 import numpy as np
 import pytest
 
+from orchestration.acceptance.polarity.causes import causes_of
 from orchestration.acceptance.polarity.frames import EARTH_RATE, other_frame, readings
 from orchestration.acceptance.polarity.ports import Port
 from orchestration.fmu.model import Variable
@@ -53,18 +54,30 @@ def flown():
     return time, {"R_NB": R, "omega_B": omega, "r_N": r, "v_N": v}
 
 
-def named(flown, read):
-    """Returns what is named of a block of theirs which reads its inputs so."""
+def answers(read, flown):
+    return Block().play(flown[1] | read(*flown))
+
+
+def named(flown, read, late=0):
+    """Returns what is named of a block of theirs which reads its inputs so, and is so many samples late."""
     time, inputs = flown
     variables = {n: Variable(n, "input", shape=(len(v[0]),), frame=FRAMES[n]) for n, v in inputs.items()}
     ports = {
         n: Port("b", n, "input", tuple(range(v.shape[1])), KINDS.get(n, "vector"), parse_unit(UNITS[n]), v.shape[1])
         for n, v in inputs.items()
     }
-    theirs = Block().play(inputs | read(time, inputs))
+    theirs = {n: np.concatenate([np.repeat(v[:1], late, 0), v])[: len(v)] for n, v in answers(read, flown).items()}
     some = slice(None, None, 20)
     few = {n: v[some] for n, v in inputs.items()}, time[some], {n: v[some] for n, v in theirs.items()}
-    return other_frame(Block(), readings(ports, variables), few, (inputs, time, theirs), math.inf)
+
+    def rest(ours):
+        made = [causes_of(n, ours[n], v, time, None) for n, v in theirs.items()]
+        left = max(np.linalg.norm(one[1]) / np.linalg.norm(v) for one, v in zip(made, theirs.values(), strict=True))
+        return tuple(cause for one in made for cause in one[0]), left
+
+    whole = inputs, time, theirs
+    made = other_frame(Block(), readings(ports, variables), few, whole, math.inf, rest if late else None)
+    return made if made is None else (*made[0], made[1])
 
 
 def test_a_position_along_the_axes_of_the_earth_has_its_angle_at_the_start(flown):
@@ -110,6 +123,17 @@ def test_a_sensor_that_is_mounted_askew_has_axis_and_angle(flown):
     assert cause.where == "omega_B"
     assert cause.size == pytest.approx(1.5, abs=1e-4)
     assert "turned by 1.5 deg about (0, 0, 1)" in cause.text
+
+
+def test_a_frame_and_what_makes_its_output_late_are_named_together(flown):
+    def read(time, inputs):
+        orbital = np.cross(inputs["r_N"], inputs["v_N"]) / (inputs["r_N"] ** 2).sum(axis=1, keepdims=True)
+        return {"omega_B": inputs["omega_B"] + np.einsum("nji,nj->ni", inputs["R_NB"].reshape(-1, 3, 3), orbital)}
+
+    frame, *causes, _ = named(flown, read, late=3)
+    assert "relative to LVLH" in frame.text
+    assert {(cause.kind, round(cause.size, 6)) for cause in causes} == {("delay", 3.0)}
+    assert named(flown, lambda time, inputs: {"r_N": inputs["r_N"] * [1.0, 1.02, 1.0]}, late=3) is None
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import csv
 import json
 import re
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pytest
@@ -19,11 +20,13 @@ from orchestration.acceptance.polarity.trials import ports_of, run
 from orchestration.acceptance.polarity.wrongs import wrongs
 from orchestration.quantities import parse_unit
 from orchestration.scenario.text import parse
-from orchestration.session.read import read
+from orchestration.session.open import open_scenario
+from orchestration.session.read import load, read
 from orchestration.swap.option import swapped as with_swap
 from orchestration.swap.option import swaps_of
 from orchestration.system.wiring import Wiring
 from tests.commands import orchestrate
+from tests.vendors import kinds, wrapper
 
 from .. import fmus
 from ..swapped import swapped
@@ -266,3 +269,18 @@ def test_no_cause_is_named_where_it_leaves_more_than_a_hundredth(tmp_path):
     differs = r"controller: on the same inputs its outputs differ by \d+(\.\d+)? % of ours, \w+ first, at 0 s"
     assert re.search(f"{differs}; no other sign", words)
     assert "so none is named" in words
+
+
+@pytest.mark.compile
+def test_a_magnetometer_with_a_bias_is_not_taken_for_other_units(tmp_path):
+    """Handed a field that is 10,000 times as large, the bias would not show: but theirs is not handed that."""
+    ours = read(SCENARIOS / "paper_no_singularity.yaml")
+    case = kinds.base("allocator", Random(1), units=True)
+    case.vendor.port("b_B").c = np.array([3e-6, -2e-6, 1e-6])
+    opened = open_scenario(load(ours))
+    starts = [(start.element, start.value) for start in opened.plan.starts["allocator"]]
+    fmu = wrapper.pack(tmp_path / "biased.fmu", case.vendor, opened.fmus["allocator"], starts)
+    (mended,) = look(ours, with_swap(ours, swaps_of([f"allocator={fmu}"])), ["allocator"]).mended
+    assert mended.before > 0.1
+    assert not mended.behaves
+    assert not mended.causes

@@ -8,8 +8,10 @@ import pytest
 
 from fmus.interface import parse
 from fmus.kit import generated
+from orchestration.acceptance.candidates import Candidate, candidates, told_unit
 from orchestration.acceptance.check import check
 from orchestration.acceptance.suggest import suggest
+from orchestration.fmu.model import Variable
 from orchestration.quantities import parse_unit
 from orchestration.scenario.mapping import load
 from tests.commands import orchestrate
@@ -134,3 +136,39 @@ def test_no_required_input_is_ignored_and_none_gets_a_constant_while_theirs_may_
     assert "start:" not in text
     text = suggest(check(team(tmp_path, *three), "allocator")[1])
     assert "b_B, h_w" in text[text.index("ignore:") :], "theirs has nothing left that it could be"
+
+
+@pytest.mark.parametrize(
+    ("names", "units"),
+    [(["p", "q", "r"], "rad/s"), (["roll_rate", "pitch_rate", "yaw_rate"], "rad/s")],
+    ids=["letters of flight mechanics", "a common ending"],
+)
+def test_scalars_in_a_row_are_one_vector_though_no_index_tells_it(tmp_path, names, units):
+    fields = [f"mag_{axis} T" for axis in "xyz"]
+    text = suggest(check(team(tmp_path, *fields, *(f"{name} {units}" for name in names), "h N.m.s"), "allocator")[1])
+    assert f"  omega_B: [{', '.join(names)}]  # unsure" in text
+
+
+def test_nine_scalars_are_a_matrix_however_their_rows_and_columns_are_written():
+    class Scalars:
+        def __init__(self, names):
+            self.names = names
+
+        def of(self, causality):
+            return [Variable(name, causality) for name in self.names]
+
+    for form in ("DCM_row{}_{}", "R_r{}c{}", "att{}{}"):
+        for columns in ("123", "xyz") if "c" not in form else ("123",):
+            names = [form.format(i, j) for i in "123" for j in columns]
+            made = [one.names for one in candidates(Scalars(names), "input") if one.shape == (3, 3)]
+            assert tuple(names) in made, form
+
+
+def test_units_are_read_from_words_in_other_spellings():
+    own = {"T": parse_unit("T"), "N.m": parse_unit("N.m"), "A.m2": parse_unit("A.m2")}
+    told = [("T", "Champ magn\u00e9tique [mG]", "mG"), ("N.m", "Couple demand\u00e9 en \u00b5N\u00b7m", "uN.m")]
+    told += [("A.m2", "Moment magn\u00e9tique command\u00e9, A\u00b7m\u00b2", "A.m2")]
+    for ours, text, unit in told:
+        found = told_unit(Candidate(("a",), Variable("a", "input", description=text), 1, (), "a"), own[ours])
+        assert found is not None, text
+        assert found.factor == pytest.approx(parse_unit(unit).factor)

@@ -12,6 +12,7 @@ import pytest
 from orchestration.acceptance.difference import difference
 from orchestration.acceptance.tolerances import tolerances
 from orchestration.acceptance.verdict import _cells, status
+from orchestration.acceptance.words import meanings, of_orbit, scalar_last
 from orchestration.fmu.model import Model, Variable
 from orchestration.quantities import parse_unit
 from tests.commands import orchestrate
@@ -74,3 +75,30 @@ def test_the_verdict_says_what_was_compared_and_which_difference_is_wide(tmp_pat
     data = json.loads(Path("out/comparison.json").read_text())
     assert data["meaning"][-1] in result.stdout.replace("\n  ", " ")
     assert 'class="badge warn">equivalent within wide tolerances' in Path("out/comparison.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("names", "text", "last"),
+    [
+        ("att", "Quaternion [x,y,z,w] body to inertial", True),
+        ("att", "attitude, vector part first", True),
+        ("q_x q_y q_z q_s", "", True),
+        ("att", "Quaternion (w, x, y, z)", False),
+        ("att", "attitude, scalar first", False),
+        ("att", "attitude quaternion", None),
+    ],
+)
+def test_the_place_of_a_quaternion_s_scalar_is_read_from_names_and_words(names, text, last):
+    assert scalar_last(tuple(names.split()), text) is last
+
+
+def test_words_with_accents_and_of_other_languages_mean_the_same():
+    assert meanings("moment_x", "Moment magn\u00e9tique command\u00e9") == {"dipole"}
+    assert "rate" in meanings("Drehrate_x", "")
+    assert "momentum" in meanings("Drall_Rad", "")
+
+
+def test_a_rate_that_is_told_to_be_relative_to_the_orbit_is_told_apart():
+    assert of_orbit("Body rate relative to the orbital frame (LVLH), body components")
+    assert of_orbit("rate w.r.t. LVLH")
+    assert not of_orbit("Body rate relative to inertial axes")
