@@ -295,6 +295,7 @@ def test_a_flight_is_shown_in_the_view_and_what_is_of_the_one_before_is_marked_m
 
 
 def test_the_page_fits_every_width_and_asks_no_network(page):
+    page.page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true })")
     for width in (390, 800, 1400):
         page.resize(width)
         assert page.page.evaluate("document.documentElement.scrollWidth") <= width
