@@ -36,28 +36,32 @@ SOON = {"fault_failed_rod": 40.0, "fault_lost_magnetometer": 100.0, "fault_stuck
 """How long is flown, s, so that the fault is in it; 40 s of the others."""
 TOOLS = {"fmpy": "parallel", "libcosim": "parallel", "ecos": "exchanged"}
 """All step all blocks at once; the C host shows its signals as each of them does."""
+ARM = Path("/usr/aarch64-linux-gnu")
+"""Where Debian's libc6-arm64-cross has the C library that the host asks for."""
+EMULATED = ["qemu-aarch64", "-L", str(ARM)]
 HEADER = ("scenario", "seconds", "in order - ours", "at once - ours", *(f"{tool} - at once" for tool in TOOLS))
 _LEFT_OUT = ("expect", "figures", "holds", "consistency", "record", "live")
 _TYPES = {"Real": "r", "Integer": "i", "Enumeration": "i", "Boolean": "b", "String": "s"}
 
 
 @cache
-def host() -> Path:
-    """The C host, compiled for this machine."""
+def host(target: str | None = None) -> Path:
+    """The C host, compiled for this machine or another of zig's targets."""
     out = Path(tempfile.mkdtemp(prefix="ssd-host-")) / "ssd_host"
     shell = ROOT / "fmus" / "native" / "shell"
     command = [sys.executable, "-m", "ziglang", "cc", "-std=gnu11", "-O2", "-I", str(shell), "-o", str(out)]
+    command += [] if target is None else ["-target", target]
     subprocess.run([*command, str(Path(__file__).with_name("ssd_host.c")), "-ldl"], check=True, capture_output=True)
     return out
 
 
 class _Part:
-    def __init__(self, component: Any, folder: Path) -> None:
+    def __init__(self, component: Any, folder: Path, platform: str) -> None:
         file = folder / component.source
         about = fmpy.read_model_description(str(file))
         unpacked = Path(fmpy.extract(str(file)))
         self.variables = {v.name: v for v in about.modelVariables}
-        library = unpacked / "binaries" / "linux64" / f"{about.coSimulation.modelIdentifier}.so"
+        library = unpacked / "binaries" / platform / f"{about.coSimulation.modelIdentifier}.so"
         self.lines = [component.name, str(library), about.guid, (unpacked / "resources").as_uri()]
         for binding in component.parameterBindings:
             self.lines += [self._value(p) for values in binding.parameterValues for p in values.parameters]
@@ -75,11 +79,11 @@ class _Part:
         return f"{_TYPES[v.type]} {v.valueReference}"
 
 
-def planned(archive: Path, signals: list[str], folder: Path) -> Path:
-    """The plan of an archive for the C host."""
+def planned(archive: Path, signals: list[str], folder: Path, platform: str = "linux64") -> Path:
+    """The plan of an archive for the C host, with the FMUs' libraries for a platform."""
     system = ssd.read_ssd(str(archive)).system
     unpacked = Path(fmpy.extract(str(archive), unzipdir=str(folder / "unpacked")))
-    parts = {component.name: _Part(component, unpacked) for component in system.elements}
+    parts = {component.name: _Part(component, unpacked, platform) for component in system.elements}
     place = {name: i for i, name in enumerate(parts)}
     wires = []
     for c in system.connections:
@@ -93,11 +97,16 @@ def planned(archive: Path, signals: list[str], folder: Path) -> Path:
     return path
 
 
-def flown(archive: Path, step: float, count: int, signals: list[str], interval: int, exchange: str) -> Floats:
-    """The signals at the start and after each `interval` steps, by the C host. Raises AssertionError with its words."""
+def flown(
+    archive: Path, step: float, count: int, signals: list[str], interval: int, exchange: str, arm: bool = False
+) -> Floats:
+    """The signals at the start and after each `interval` steps, by the C host. `arm`: the host and the FMUs' libraries
+    are those of Linux on Arm, in an emulator. Raises AssertionError with its words.
+    """
     with tempfile.TemporaryDirectory() as folder:
-        plan = planned(archive, signals, Path(folder))
-        words = [str(host()), str(plan), repr(step), str(count), str(interval), exchange]
+        plan = planned(archive, signals, Path(folder), "aarch64-linux" if arm else "linux64")
+        words = [*EMULATED, str(host("aarch64-linux-gnu.2.17"))] if arm else [str(host())]
+        words += [str(plan), repr(step), str(count), str(interval), exchange]
         run = subprocess.run(words, capture_output=True, check=False)
     assert run.returncode == 0, run.stderr.decode()[-2000:]
     return np.frombuffer(run.stdout).reshape(-1, len(signals))

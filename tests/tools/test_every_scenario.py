@@ -5,6 +5,7 @@ What differs where a host steps all blocks at once, and in other tools: python -
 
 from __future__ import annotations
 
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,8 @@ from orchestration import load
 from orchestration.errors import InputError
 
 from .archives import validate
-from .exchanges import SCENARIOS, SOON, compared, in_tools, plain
+from .exchanges import ARM, EMULATED, SCENARIOS, SOON, compared, in_tools, plain
+from .exchanges import flown as by_host
 from .sequential import flown
 
 pytestmark = pytest.mark.thorough
@@ -32,6 +34,25 @@ def test_a_plain_c_host_flies_the_exported_scenario_with_our_bits(path: Path, tm
     scenario = plain(path, SOON.get(path.stem, 40.0))
     assert all(difference.max() == 0.0 for difference in compared(scenario, tmp_path).values())
     validate(tmp_path / f"{scenario.name}.ssp")
+
+
+ON_ARM = ("flight_estimated", "flight_pyramid_allocated", "flight_three_wheels", "mission_day")
+"""Of their blocks each of the twelve FMUs is one, beside FMUs of changes."""
+
+
+@pytest.mark.skipif(shutil.which(EMULATED[0]) is None, reason="needs qemu-aarch64 (Debian: qemu-user)")
+@pytest.mark.skipif(not ARM.is_dir(), reason="needs the C library of Arm (Debian: libc6-arm64-cross)")
+@pytest.mark.parametrize("name", ON_ARM)
+def test_the_libraries_for_linux_on_arm_fly_the_loop_with_the_bits_of_x86_64(name: str, tmp_path: Path) -> None:
+    scenario = plain(ROOT / "scenarios" / f"{name}.yaml", 10.0)
+    archive = orchestration.export_loop(scenario, tmp_path / "adcs.ssp")
+    outputs = ("plant.omega_B", "plant.dipole", "plant.wheel_torque", "plant.b_B", "judge.attitude_error")
+    signals = [label for label in orchestration.run(scenario).labels if label.partition("[")[0] in outputs]
+    count = round(scenario.duration / scenario.step)
+    here, there = (by_host(archive, float(scenario.step), count, signals, 1, "sequential", arm) for arm in (False, True))
+    assert here.shape == (count + 1, len(signals))
+    assert np.ptp(here[:, signals.index("plant.omega_B[1]")]) > 0.0
+    assert np.array_equal(there, here)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the host is written for Linux")
