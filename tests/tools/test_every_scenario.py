@@ -48,8 +48,8 @@ def test_the_libraries_for_linux_on_arm_fly_the_loop_with_the_bits_of_x86_64(nam
     archive = orchestration.export_loop(scenario, tmp_path / "adcs.ssp")
     outputs = ("plant.omega_B", "plant.dipole", "plant.wheel_torque", "plant.b_B", "judge.attitude_error")
     signals = [label for label in orchestration.run(scenario).labels if label.partition("[")[0] in outputs]
-    count = round(scenario.duration / scenario.step)
-    here, there = (by_host(archive, float(scenario.step), count, signals, 1, "sequential", arm) for arm in (False, True))
+    step, count = float(scenario.step), round(scenario.duration / scenario.step)
+    here, there = (by_host(archive, step, count, signals, 1, "sequential", arm) for arm in (False, True))
     assert here.shape == (count + 1, len(signals))
     assert np.ptp(here[:, signals.index("plant.omega_B[1]")]) > 0.0
     assert np.array_equal(there, here)
