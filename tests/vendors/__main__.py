@@ -22,6 +22,7 @@ from orchestration.session.open import open_scenario
 from orchestration.session.read import load, read
 
 from . import kinds, wrapper
+from .figure import draw
 from .judge import Verdict, judge
 
 Row = dict[str, Any]
@@ -51,8 +52,17 @@ def drawn(count: int, seed: int) -> Iterator[tuple[kinds.Case, bool]]:
 @click.option("--minutes", default=10.0, show_default=True, help="No FMU is begun after so long.")
 @click.option("--only", help="Kinds that hold this text only.")
 @click.option("--rows", "file", type=click.Path(path_type=Path), help="Add each case there; go on where it ends.")
+@click.option("--figure", type=click.Path(path_type=Path), help="Draw the counts there.")
 @click.option("--keep", type=click.Path(path_type=Path), help="Keep the FMUs in this folder.")
-def main(count: int, seed: int, minutes: float, only: str | None, file: Path | None, keep: Path | None) -> None:
+def main(
+    count: int,
+    seed: int,
+    minutes: float,
+    only: str | None,
+    file: Path | None,
+    figure: Path | None,
+    keep: Path | None,
+) -> None:
     """Ask the commands about generated FMUs of other teams."""
     ours = read(SCENARIO)
     opened = open_scenario(load(ours))
@@ -88,6 +98,8 @@ def main(count: int, seed: int, minutes: float, only: str | None, file: Path | N
             if not keep:
                 path.unlink()
     print(table(rows), flush=True)
+    if figure is not None:
+        draw(rows, figure)
     sys.exit(1 if any(row["false"] for row in rows) else 0)
 
 

@@ -76,7 +76,9 @@ def judge(case: Case, path: Path, ours: Source) -> Verdict:
     right = equally or all(serves(final, port, case.truth[port]) for port in case.named)
     found = all(any(_same(cause, expected) for cause in causes) for expected in case.causes)
     verdict.named = None if case.answer in ("right", "silent") else right and found
-    if case.answer == "right":
+    if case.answer == "wrong" and all(serves(after, name, truth) for name, truth in case.truth.items()):
+        verdict.proposed = True  # a guess that is right: there is nothing to detect
+    if case.answer == "right" or verdict.proposed:
         verdict.detected = None
     return verdict
 
@@ -119,7 +121,7 @@ def serves(fitted: Fit, ours: str, truth: tuple[Any, ...]) -> bool:
         return link.A is None and (link.scalar_last, link.inverse) == truth[1:] and not getattr(link, "rotation", None)
     if truth[0] == "rotation":
         return getattr(link, "rotation", None) == truth[1] and link.inverse == truth[2]
-    return getattr(link, "turned", None) is not None
+    return bool(getattr(link, "turned", None))
 
 
 def _same(cause: Any, expected: tuple[str, str, float]) -> bool:
