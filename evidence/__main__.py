@@ -27,6 +27,7 @@ from .flight import make as flights
 from .flight.rivals import compare
 from .flight_data import make as flown_records
 from .health import make as health_flown
+from .health import stuck_on as health_stuck_on
 from .margins import cases as margins_cases
 from .margins import make as margins_measured
 from .margins import page as margins_page
@@ -264,6 +265,13 @@ def health(jobs: int, cases: int, rows: tuple[str, ...]) -> None:
     A flight takes about ten seconds of a core, one with a stuck wheel minutes.
     """
     say(health_flown.make(cases, rows, jobs))
+
+
+@main.command()
+def stuck_on() -> None:
+    """Show what a hold can be at best with a rod stuck on: the least largest angle, by a linear programme (a
+    minute)."""
+    say(health_stuck_on.make())
 
 
 @main.command()

@@ -1,12 +1,13 @@
 """The rows of `python -m evidence health`: campaigns with the failure that each names, and the words of its table."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from evidence.health.make import line
-from evidence.health.rows import AFTER, HOLD, ROWS, named
+from evidence.health.rows import AFTER, HOLD, ROWS, TUMBLE, named
 from evidence.paper import ORBIT
 
 
@@ -42,8 +43,10 @@ def points(case):
 
 def test_a_flight_beyond_15_deg_is_lost_and_a_part_is_named_from_its_failure_on():
     metrics = {name: np.full(3, math.inf) for name in named()}
+    metrics |= {"late": np.array([2.0, 14.0, math.nan])}
     metrics |= {"largest": np.array([2.0, 16.0, math.nan]), "gyro": HOLD + np.array([10.0, 30.0, math.inf])}
     metrics["rod_2"] = np.array([math.inf, HOLD + 5.0, math.inf])
     wanted = row("estimated: gyro frozen, in the hold")
     assert line(wanted, metrics)[1:6] == ["3", "2", "2 of 3", "20 s", "1"]
+    assert line(replace(wanted, at=TUMBLE), metrics)[2] == "1"  # within half an hour the tumble may end
     assert 1.5 * ORBIT == AFTER
