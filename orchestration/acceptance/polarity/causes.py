@@ -309,4 +309,4 @@ def _shifted(values: Floats, k: int) -> Floats:
 
 
 def _name(s: Series) -> str:
-    return str(s.unit) if s.unit is not None and s.unit.name else ""
+    return str(s.unit) if s.unit is not None and s.unit.name not in ("", "1") else ""
