@@ -19,7 +19,7 @@ Each `[variables.NAME]` has
 - `frame`: the frame of its components;
 - `variability`: of a parameter, "fixed" or "tunable";
 - `start` (inputs and parameters), `min`, `max`; those of an input are told to tools, and the block refuses in words of
-  its own what it cannot take;
+  its own what it cannot take; an optional input with a limit has 1e9, its start, as its `max`;
 - `optional` (inputs): `true` where it may stay unconnected; its start is then 1e9 in every element, and a magnitude of
   0.999e9 or more in any element means that it is not connected; an integer starts at -1, and a negative one means it;
 - `quantity` (parameters): the quantity that it states, where the blocks of a loop should agree in it;

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import csv
+import itertools
+import math
 import tomllib
 import xml.etree.ElementTree as ET
 from dataclasses import asdict
@@ -64,6 +66,41 @@ def test_the_xml_that_fmpy_reads_is_the_interface(built_fmus: dict[str, Path], b
     assert read.defaultExperiment is not None
     assert float(read.defaultExperiment.stopTime) == interface.stop
     assert float(read.defaultExperiment.stepSize) == interface.step
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_starts_and_flown_inputs_are_within_the_limits_that_tools_are_told(block: str) -> None:
+    interface = load(block)
+    values = {e.name: [e.start] for v in interface.variables.values() if v.type == "real" for e in v.elements}
+    for path in kept_in(interface, folder(block)):
+        if path.suffix == ".csv":
+            for row in csv.DictReader(path.read_text("utf-8").splitlines()):
+                for name in row.keys() & values.keys():
+                    values[name].append(float(row[name]))
+    for variable in interface.variables.values():
+        low, high = (-math.inf if variable.min is None else variable.min), variable.max or math.inf
+        for element in variable.elements if variable.causality != "output" else ():
+            assert all(low <= value <= high for value in values.get(element.name, ())), element.name
+
+
+def test_limits_of_inputs_are_those_of_attitudes_orbits_fields_and_rates() -> None:
+    """Those of torques, dipoles and momentum are parameters, so that no number can stand there."""
+    limits = {
+        "r_N": (1.3 * 5.0e7, 1e9),  # m: beyond the largest orbit_radius, and far below the Moon
+        "v_N": (math.sqrt(2.0 * 3.986e14 / 6.478e6), 3e4),  # m/s: escape
+        "b_B": (7e-5, 1e-2),  # T: the largest field at the surface
+        "omega_B": (10.0 * math.sqrt(3.0), math.inf),  # rad/s: the fastest start of the plant
+        "R_NB": (1.0, 1.001),
+    }
+    bounded = set()
+    for block, name in itertools.product(BLOCKS, limits):
+        for variable in (load(block).variables.get(f"{name}{suffix}") for suffix in ("", "_measured")):
+            if variable is not None and variable.causality == "input":
+                bounded.add(block)
+                least, beyond = limits[name]
+                ends = (-variable.min, 1e9 if variable.optional else variable.max)
+                assert all(end == 1e9 or least < end < beyond for end in ends), (block, variable.name)
+    assert set(BLOCKS) - bounded == {"plant", "plant_wheels"}
 
 
 @pytest.mark.parametrize("block", BLOCKS)
