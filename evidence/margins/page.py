@@ -5,24 +5,28 @@ from __future__ import annotations
 
 import json
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from .. import plots
 from ..markdown import render
 from ..paper import ORBIT, ROOT
-from .cases import CASES, PLACES, PLANNED
+from .cases import CASES, PLACES, USUAL, VB
 from .make import KEPT
 
 PAGE = ROOT / "docs" / "evidence" / "margins.md"
 ABOUT = {(1, 1, 1): "aligned", (-1, -1, 1): "half a turn about z", (-1, 1, -1): "about y", (1, -1, -1): "about x"}
-VB = next(iter(CASES))
+LOST = 0.5
+"""Attitude error, deg, with which the scenario of the planned hold calls it lost."""
+NOISY = 0.05
+"""Error above which answers have decayed to rounding."""
 
 
 def write() -> Path:
     """Writes both, and returns the page."""
     kept = json.loads(KEPT.read_text("utf-8"))
-    plots.save({"margins": _figure(kept["places"])}, ROOT / "docs" / "figures")
+    plots.save({"margins": _figure(kept)}, ROOT / "docs" / "figures")
     PAGE.write_text(render(Path(__file__).parent, **fields(kept)), "utf-8")
     return PAGE
 
@@ -30,23 +34,88 @@ def write() -> Path:
 def fields(kept: dict[str, Any]) -> dict[str, Any]:
     """Returns what the template takes."""
     rows = sorted(kept["places"], key=lambda row: (list(CASES).index(row["case"]), row["place"]))
-    good = [row for row in rows if "disk" in row]
     of = {name: [row for row in rows if row["case"] == name] for name in CASES}
+    followed = {name: found for name, found in of.items() if CASES[name].followed and found}
     return {
-        "places": [_row(row) for row in good],
-        "reasons": [_reason(row) for row in rows if row["refused"] and "log" not in row],
-        "multipliers": [_multipliers(row) for row in rows if "log" in row],
+        "places": [_row(row) for row in rows if "disk" in row],
+        "reasons": [_reason(row) for row in rows if row["refused"]],
+        "left": [_left(name, found) for name, found in followed.items()],
+        "orbits": [_orbits(name, found) for name, found in followed.items()],
+        "errors": max(row["error"] for row in rows if "left" in row and not row["refused"]),
+        "seconds": max((sum(row["seconds"] for row in found) for found in followed.values()), default=0.0),
+        "linear": sum(not row["refused"] for found in followed.values() for row in found),
+        "followed": len(PLACES) * sum(case.followed for case in CASES.values()),
         "equilibria": [_equilibrium(one) for one in kept["equilibria"]],
         "all": len(PLACES),
         "vb": [row for row in of[VB] if "disk" in row],
-        "usual": [row for row in of["usual law, four wheels"] if "disk" in row],
-        "planned": [row for row in of[PLANNED] if "log" in row],
+        "usual": [row for row in of[USUAL] if "disk" in row],
         "missing": [
             f"{name} ({len(found)} of {len(PLACES)})" for name, found in of.items() if len(found) < len(PLACES)
         ],
         "changes": {one["name"]: one for one in kept["changes"]},
-        "delay": kept.get("delay"),
+        "delays": [_delay(row) for row in sorted(kept["delays"], key=lambda row: (row["name"], row["delay"]))],
+        "losses": losses(kept["delays"]),
     }
+
+
+def losses(rows: list[dict[str, Any]]) -> dict[str, tuple[float, float]]:
+    """Returns the delay at which the answer to a pulse no longer decays, and that at which the flight is lost, s, each
+    between two delays by the logarithm. A flight as it is has the answers of one without the watch."""
+    found: dict[str, tuple[float, float]] = {}
+    names = list(dict.fromkeys(row["name"] for row in rows))
+    for name in names:
+        of = sorted((row["delay"], row["left"], row["flown"], row["error"]) for row in rows if row["name"] == name)
+        said = (
+            of
+            if name != "as it is"
+            else sorted(
+                (row["delay"], row["left"], row["flown"], row["error"])
+                for row in rows
+                if row["name"] == names_without(names)
+            )
+        )
+        predicted = _crossing([(d, left) for d, left, _, error in said if error <= NOISY], 1.0)
+        found[name] = predicted, _crossing([(d, flown) for d, _, flown, _ in of], LOST)
+    return found
+
+
+def names_without(names: list[str]) -> str:
+    """Returns the name of the flights whose linear loop is that of the hold as it is."""
+    return next(name for name in names if name == "no watch for failed rods")
+
+
+def _crossing(points: list[tuple[float, float]], level: float) -> float:
+    for (a, below), (b, above) in pairwise(points):
+        if below < level <= above:
+            return a + (b - a) * math.log(level / below) / math.log(above / below)
+    return math.nan
+
+
+def _left(name: str, rows: list[dict[str, Any]]) -> list[str]:
+    """What is left after 200 s at each place."""
+    by = {row["place"]: row for row in rows}
+    cells = []
+    for place in PLACES:
+        row = by.get(place)
+        cells.append("not measured" if row is None else "not linear" if row["refused"] else f"{row['left']:.2g}")
+    return [name, *cells]
+
+
+def _orbits(name: str, rows: list[dict[str, Any]]) -> list[str]:
+    """What is left after an orbit at each place."""
+    by = {row["place"]: row for row in rows}
+    cells = []
+    for place in PLACES:
+        row = by.get(place)
+        known = row is not None and "orbit" in row and row["wrong"] <= NOISY and row["left"] > 1e-4
+        cells.append(f"{row['orbit']:.2g}" if row is not None and known else "none")
+    rest = [row["rest"] for row in rows if "rest" in row]
+    return [name, *cells, f"{100 * min(rest):.0f}%" if rest else ""]
+
+
+def _delay(row: dict[str, Any]) -> list[str]:
+    left = "not linear" if row["error"] > NOISY else f"{row['left']:.2f}"
+    return [row["name"], f"{row['delay']:g} s", left, f"{row['flown']:.2g}°"]
 
 
 def _row(row: dict[str, Any]) -> list[str]:
@@ -60,14 +129,6 @@ def _reason(row: dict[str, Any]) -> list[str]:
     return [row["case"], f"{row['place']}°", row["refused"].partition(": no p")[0].partition(" (its answer")[0]]
 
 
-def _multipliers(row: dict[str, Any]) -> list[str]:
-    factor = math.exp(10.0 * row["log"] / row["span"])
-    seen = f"{100 * row['rest']:.2g}%"
-    if row["rest"] > 0.1:
-        return [row["case"], f"{row['place']}°", "none: the state is not seen", "", seen]
-    return [row["case"], f"{row['place']}°", f"{math.exp(row['log']):.3g} in {row['span']:g} s", f"{factor:.3f}", seen]
-
-
 def _equilibrium(one: dict[str, Any]) -> list[str]:
     # The rate nearest to zero is that of the wheel's momentum, which the law leaves as it is.
     rates = sorted(one["rates"], key=abs)[1:]
@@ -77,20 +138,35 @@ def _equilibrium(one: dict[str, Any]) -> list[str]:
     return [ABOUT[tuple(one["turn"])], str(len(unstable)), f"{worst:+.5f} 1/s", f"10^{size:+.0f}", f"{one['rest']:.1g}"]
 
 
-def _figure(rows: list[dict[str, Any]]) -> Any:
-    figure, (axes,) = plots.panels(1, 2)
-    names = [name for name in CASES if any(row["case"] == name and "disk" in row for row in rows)]
-    for name, colour in zip(names, (plots.BLUE, plots.RED, plots.GREEN, plots.PINK), strict=False):
-        good = sorted((row["place"], row) for row in rows if row["case"] == name and "disk" in row)
-        none = [row["place"] for row in rows if row["case"] == name and "disk" not in row]
-        for ax, key in zip(axes, ("disk", "delay"), strict=True):
-            ax.plot([place for place, _ in good], [row[key] for _, row in good], "o", color=colour, label=name)
-            if none:
-                ax.plot(none, [0.0] * len(none), "x", color=colour, clip_on=False, label=f"{name}: no margins")
-    plots.name_axes(axes[0], "start from the ascending node, deg", "disk margin", "Each channel on its own")
-    plots.name_axes(axes[1], "start from the ascending node, deg", "delay margin, s", "All channels alike")
-    for ax, key in zip(axes, ("disk", "delay"), strict=True):
-        ax.set_ylim(0.0, 1.2 * max(row[key] for row in rows if "disk" in row))
-        ax.set_xlim(-10, 325)
-    axes[1].legend(fontsize=8, loc="center right")
+def _figure(kept: dict[str, Any]) -> Any:
+    rows = kept["places"]
+    figure, (axes,) = plots.panels(1, 3)
+    colours = plots.BLUE, plots.RED, plots.GREEN, plots.PINK, plots.AMBER
+    for name, colour in zip((VB, USUAL), colours, strict=False):
+        good = sorted((row["place"], row["delay"]) for row in rows if row["case"] == name and "disk" in row)
+        axes[0].plot(*zip(*good, strict=True), "o", color=colour, label=name)
+    for name, colour in zip((name for name in CASES if CASES[name].followed), colours, strict=False):
+        good = sorted(
+            (row["place"], row["left"]) for row in rows if row["case"] == name and "left" in row and not row["refused"]
+        )
+        if good:
+            axes[1].semilogy(*zip(*good, strict=True), "o-", color=colour, label=name)
+    axes[1].axhline(1.0, color="0.6", lw=0.8)
+    for name, colour in zip(dict.fromkeys(row["name"] for row in kept["delays"]), colours, strict=False):
+        points = sorted(
+            (row["delay"], row["left"], row["flown"], row["error"]) for row in kept["delays"] if row["name"] == name
+        )
+        linear = [(d, left) for d, left, _, error in points if error <= NOISY]
+        axes[2].semilogy(*zip(*linear, strict=True), "o-", color=colour, label=f"{name}: answer left")
+        axes[2].semilogy([d for d, *_ in points], [p[2] / LOST for p in points], "x--", color=colour)
+    axes[2].axhline(1.0, color="0.6", lw=0.8)
+    where = "place from the ascending node, deg"
+    plots.name_axes(axes[0], where, "delay margin, s", "Holds with margins")
+    plots.name_axes(axes[1], where, "left of a disturbance after 200 s", "Holds whose answers are followed")
+    plots.name_axes(
+        axes[2], "delay at the actuators, s", "left after 1000 s; error / 0.5 deg (x)", "Planned hold with a delay"
+    )
+    axes[0].set_ylim(0.0, 10.0)
+    for ax in axes:
+        ax.legend(fontsize=7)
     return figure

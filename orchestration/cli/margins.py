@@ -12,12 +12,13 @@ import numpy as np
 
 from ..errors import InputError, Place, Problem, writing
 from ..margins.block import BlockModel, linearized
-from ..margins.floquet import PULSE, SEGMENT, UNSEEN, Repeated, coordinates
-from ..margins.inject import Rig
+from ..margins.floquet import PULSE, SEGMENT, Coordinates, Repeated, coordinates
+from ..margins.inject import Altered, Rig
 from ..margins.linear import Linear, realized
 from ..margins.measure import LONGEST, measure
+from ..margins.periods import Followed, follow
 from ..margins.report import HEADER, Found
-from ..margins.search import Change, expectations_are_met, lost, pulse_dies_out
+from ..margins.search import Change, Starts, expectations_are_met, lost, pulse_dies_out
 from ..margins.site import site
 from ..quantities import SECOND, QuantityError, value_in
 from ..results.place import check_writable, refuse_links
@@ -65,6 +66,11 @@ from .status import EXPECTATION_FAILED
 @click.option("--orbit", metavar="T", help="Period of the motion: gives Floquet multipliers instead of margins.")
 @click.option("--piece", metavar="T", help="Length of a piece of the period; for --orbit; default: 200 samples.")
 @click.option(
+    "--periods",
+    type=click.IntRange(2, 1000),
+    help="Follow the answers to pulses over so many periods; for --orbit and controllers with hidden states.",
+)
+@click.option(
     "--state", "states", multiple=True, metavar="BLOCK.PORT", help="An output that is the state; for --orbit, --model."
 )
 @click.option(
@@ -89,6 +95,7 @@ def command(
     criterion: str,
     orbit: str | None,
     piece: str | None,
+    periods: int | None,
     states: tuple[str, ...],
     sensitive: tuple[str, ...],
     out: Path | None,
@@ -119,9 +126,14 @@ def command(
             ctx.exit(_model(found_, begin, target, json_))
         rig = Rig(session, site(plan, ports), round(begin / plan.clock.step))
         if orbit is not None:
-            pieces = seconds("--piece", piece, SEGMENT * rig.period)
+            pieces = max(round(seconds("--piece", piece, SEGMENT * rig.period) / rig.period), 1)
+            period, seen = _period(rig, seconds("--orbit", orbit, 0.0), states)
             changes_ = [Change.of(text) for text in changed]
-            ctx.exit(_multipliers(rig, seconds("--orbit", orbit, 0.0), pieces, states, sensitive, changes_, json_))
+            if periods is None:
+                ctx.exit(_multipliers(rig, period, pieces, seen, sensitive, changes_, json_))
+            if sensitive:
+                raise InputError(Problem("--periods gives no sensitivity", place=Place("--sensitivity")))
+            ctx.exit(_followed(rig, period, periods, pieces, seen, changes_, json_))
         longest = seconds("--window", window, LONGEST * rig.period)
         changes_ = [Change.of(text) for text in changed]
         found = Found.of(loaded.name, rig.first * plan.clock.step, measure(rig, max(int(longest / rig.period), 4)))
@@ -184,30 +196,65 @@ def _save(model: Linear, folder: Path) -> None:
         model.save(folder / f"model.{suffix}")
 
 
+def _period(rig: Rig, period: float, states: Sequence[str]) -> tuple[int, Coordinates]:
+    """Returns the samples of a period, and what is observed. Raises InputError."""
+    seen = coordinates(rig.session.opened.plan, states)
+    samples = round(period / rig.period)
+    if not states or samples < 2:
+        expected = "--state BLOCK.PORT with --orbit" if not states else "a period of some samples"
+        found = "none" if not states else f"{period:g} s"
+        raise InputError(Problem(expected=expected, found=found, place=Place("--orbit")))
+    return samples, seen
+
+
+def _followed(
+    rig: Rig, period: int, periods: int, piece: int, seen: Coordinates, changes_: Sequence[Change], json_: bool
+) -> int:
+    """Prints what is left of disturbances from period to period; the status is 1 where the loop is not linear."""
+
+    def flown(altered: Altered, starts: Starts) -> Followed:
+        return follow(rig, seen, period, periods, piece, altered, starts)
+
+    def holds(altered: Altered, starts: Starts) -> bool:
+        found = flown(altered, starts)
+        return not found.refused and found.left < 1.0
+
+    found = flown(Altered(), None)
+    searched = [lost(rig, one, holds) for one in changes_ if not found.refused]
+    if json_:
+        windows = [
+            {"ratio": one.ratio, "most": one.most, "least": one.least, "error": one.error, "rest": one.rest}
+            for one in found.windows
+        ]
+        said = {"period": period * rig.period, "windows": windows, "refused": found.refused or None}
+        say_json({**said, "searched": [one.data() for one in searched]})
+        return EXPECTATION_FAILED if found.refused else 0
+    if found.refused:
+        complain(f"no number: {found.refused}")
+        return EXPECTATION_FAILED
+    say(f"Answers to pulses over periods of {period * rig.period:g} s, of {', '.join(found.labels)}:", bold=True)
+    for line in [*found.lines(), *map(str, searched)]:
+        say(line)
+    return 0
+
+
 def _multipliers(
     rig: Rig,
-    period: float,
-    piece: float,
-    states: Sequence[str],
+    samples: int,
+    piece: int,
+    seen: Coordinates,
     names: Sequence[str],
     changes_: Sequence[Change],
     json_: bool,
 ) -> int:
     """Prints the Floquet multipliers; the status is 1 where the state is not seen."""
-    seen = coordinates(rig.session.opened.plan, states)
-    samples = round(period / rig.period)
-    if not states or samples < 2:
-        expected = "--state BLOCK.PORT with --orbit" if not states else "a period of some samples"
-        raise InputError(
-            Problem(expected=expected, found="none" if not states else f"{period:g} s", place=Place("--orbit"))
-        )
-    repeated = Repeated.of(rig, seen, samples, PULSE * rig.scales, max(round(piece / rig.period), 1))
+    repeated = Repeated.of(rig, seen, samples, PULSE * rig.scales, piece)
     found = repeated.nominal
     slopes = {name: repeated.sensitivity(name) for name in names}
-    searched = [lost(rig, one, repeated.decays) for one in changes_ if found.rest <= UNSEEN]
+    searched = [lost(rig, one, repeated.decays) for one in changes_ if found.known]
     if json_:
         logs = [[log.real, log.imag] for log in found.logs]
-        said = {"period": found.period, "logs": logs, "rest": found.rest, "sensitivity": slopes}
+        said = {"period": found.period, "logs": logs, "rest": found.rest, "spread": found.spread, "sensitivity": slopes}
         say_json({**said, "searched": [one.data() for one in searched]})
     else:
         say(f"Floquet multipliers over {found.period:g} s, of {', '.join(found.labels)}:", bold=True)
@@ -217,7 +264,7 @@ def _multipliers(
             say(f"{name} + 1 %: the largest multiplier times {math.exp(0.01 * slope):.4g}")
         for one in searched:
             say(str(one))
-    return EXPECTATION_FAILED if found.rest > UNSEEN else 0
+    return 0 if found.known else EXPECTATION_FAILED
 
 
 def _write(found: Found, folder: Path) -> None:

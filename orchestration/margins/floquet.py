@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +45,8 @@ SEEN, DEEPEST = 0.01, 4
 """Rest with which no further instant is added to the coordinates, and instants at most."""
 UNSEEN = 0.1
 """Rest above which the multipliers are no result."""
+SPREAD = 0.1
+"""Difference of logarithms, with one more instant, above which the multipliers are no result."""
 _APPEARS = 1e-5
 """Direction of the coordinates that counts beside the largest, where they hold several instants."""
 _CHANGE = 0.01
@@ -109,6 +111,13 @@ class Orbit:
     rest: float
     """What of the motion in further flights the fit leaves, beside its size: zero where the state is seen whole."""
     flights: int
+    spread: float = 0.0
+    """By how much the logarithm of the largest multiplier differs with one more instant in the coordinates."""
+
+    @property
+    def known(self) -> bool:
+        """Whether the multipliers are a result."""
+        return self.rest <= UNSEEN and self.spread <= SPREAD
 
     @property
     def period(self) -> float:
@@ -141,6 +150,12 @@ class Orbit:
     @property
     def verdict(self) -> str:
         """What can be seen of the state, in words."""
+        if self.rest <= UNSEEN and not self.known:
+            return (
+                f"the largest multiplier changes by a factor of {math.exp(min(self.spread, 700.0)):.3g} with one more "
+                "instant in the coordinates: hidden states are slow, and these multipliers are no result; "
+                "remedy: --periods"
+            )
         if self.rest < 1e-3:
             return "the observed coordinates are the whole state that matters"
         if self.rest <= UNSEEN:
@@ -221,7 +236,7 @@ def _part(
     def flown(given: Floats) -> Floats:
         injected = np.zeros((shape[1] * length + 1, channels))
         injected[:-1:length] = given * size
-        return _observed(rig, seen, injected, length, altered)
+        return observed(rig, seen, injected, length, altered)
 
     still = flown(np.zeros(shape[1:])) if free else np.empty(0)
     moved = [
@@ -268,6 +283,9 @@ class Repeated:
             more = orbit(rig, seen, samples, size, segment, depth=deeper)
             if more.rest < found.rest:
                 found, depth = more, deeper
+        if depth > 1 and found.rest <= UNSEEN:
+            more = orbit(rig, seen, samples, size, segment, depth=depth + 1)
+            found = replace(found, spread=abs(float(more.logs[0].real - found.logs[0].real)))
         return Repeated(rig, seen, samples, size, segment, found, depth)
 
     def again(self, altered: Altered, starts: Starts) -> Orbit:
@@ -286,15 +304,14 @@ class Repeated:
         return self.again(altered, starts).decay < max(1.0, 2.0 * self.nominal.decay)
 
 
-def _observed(
+def observed(
     rig: Rig,
     seen: Coordinates,
     injected: Floats,
     length: int,
     altered: Altered,
 ) -> Floats:
-    """Returns the observed elements at the beginning of each segment and at the end of the last, (instants,
-    elements)."""
+    """Returns the observed elements every `length` samples from the rig's instant on, (instants, elements)."""
     hold, clock = rig.site.hold, rig.session.opened.plan.clock
     wanted = rig.first + hold * np.arange(0, len(injected), length)
     keeper = Keeper(wanted, clock.step, seen.nodes)

@@ -50,11 +50,16 @@ def test_a_review_has_all_sections_and_goes_on_where_it_was_stopped(satellite, t
     assert [t.rows for s in again.sections for t in s.tables] == [t.rows for s in found.sections for t in s.tables]
 
 
-def test_wheels_have_margins_in_each_channel_and_a_planned_controller_says_why_it_has_none(facts, four_wheels):
+def test_wheels_have_margins_in_each_channel_and_a_planned_controller_what_is_left_of_disturbances(facts, four_wheels):
     four = of.facts(four_wheels, None)
     table = margins.section(four, read(four_wheels)).tables[0]
     assert [row[0] for row in table.rows] == [*(f"plant.wheel_torque_cmd[{i}]" for i in (1, 2, 3, 4)), "all at once"]
     # Quaternion feedback of the bandwidth w = 0.05 1/s crosses near 2.2 w; a double integrator with rate feedback
     # keeps more than 60 deg there.
     assert 60.0 < float(table.rows[-1][3].split()[0]) < 90.0
-    assert "no margins" in margins.section(facts, read(facts.file)).notes[0]
+    (planned,) = margins.section(facts, read(facts.file)).tables
+    assert "no margins of a moment" in planned.note
+    assert [row[0] for row in planned.rows] == ["200 s", "400 s"]
+    # A hold forgets: within 400 s a disturbance is a half at most, and pulses of both signs say so alike.
+    assert float(planned.rows[0][1]) * float(planned.rows[1][1]) < 0.5
+    assert all(float(row[3].removesuffix("%")) < 5.0 for row in planned.rows)

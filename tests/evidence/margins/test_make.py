@@ -41,3 +41,28 @@ def test_the_paper_has_one_stable_equilibrium_and_saddles_of_one_two_and_three_d
         (-1, 1, -1): 2,
         (1, -1, -1): 3,
     }
+
+
+def test_answers_of_the_planned_hold_predict_the_delay_that_loses_it_within_a_quarter(kept):
+    losses = page.losses(kept["delays"])
+    assert list(losses) == list(make.DELAYS)
+    for predicted, flown in losses.values():
+        assert predicted == pytest.approx(flown, rel=0.25)
+
+
+def test_answers_that_cross_a_level_are_found_by_their_logarithm():
+    rows = [{"name": name, "error": 0.0} for name in make.DELAYS for _ in range(2)]
+    for row, (delay, left, flown) in zip(rows, [(4.0, 0.1, 0.05), (6.0, 10.0, 5.0)] * 3, strict=True):
+        row |= {"delay": delay, "left": left, "flown": flown}
+    assert page.losses(rows) == {name: (pytest.approx(5.0), pytest.approx(5.0)) for name in make.DELAYS}
+
+
+def test_a_place_whose_loop_is_not_linear_has_no_number():
+    row = {"place": 90, "refused": "the loop is not linear here", "left": 0.3, "error": 0.9}
+    assert page._left("hold", [row])[1:4] == ["not measured", "not measured", "not linear"]
+    assert page._orbits("hold", [row])[3] == "none"
+
+
+def test_every_hold_was_measured_at_every_place(kept):
+    places = {(row["case"], row["place"]) for row in kept["places"]}
+    assert places == {(name, place) for name in cases.CASES for place in cases.PLACES}
