@@ -19,9 +19,9 @@ from .cases import CASES, VB, along_orbit, at_place, delayed, equilibrium, opene
 KEPT = ROOT / "docs" / "evidence" / "margins.json"
 WATCH, IDENTIFY = "controller.find_failures", "controller.identify"
 DELAYS = {
-    "as it is": ({}, (7.0, 7.4, 8.0)),
-    "no watch for failed rods": ({WATCH: False}, (7.0, 8.0, 8.5, 9.0)),
-    "no watch, no identification": ({WATCH: False, IDENTIFY: False}, (10.0, 12.0, 13.0, 14.0)),
+    "as it is": ({}, (7.0, 7.4)),
+    "no watch for failed rods": ({WATCH: False}, (7.0, 8.0, 8.5)),
+    "no watch, no identification": ({WATCH: False, IDENTIFY: False}, (10.0, 14.0)),
 }
 """Delays at the actuators of the planned hold, s, as it is and with parts of its controller off."""
 TURNS = (1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)

@@ -63,6 +63,7 @@ def test_a_place_whose_loop_is_not_linear_has_no_number():
     assert page._orbits("hold", [row])[3] == "none"
 
 
-def test_every_hold_was_measured_at_every_place(kept):
+def test_every_hold_was_measured_at_every_place_or_the_page_says_that_it_was_not(kept):
     places = {(row["case"], row["place"]) for row in kept["places"]}
-    assert places == {(name, place) for name in cases.CASES for place in cases.PLACES}
+    without = {name for name in cases.CASES if not {(name, place) for place in cases.PLACES} <= places}
+    assert without <= {name for name in cases.CASES if any(name in said for said in page.fields(kept)["missing"])}
