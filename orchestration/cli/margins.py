@@ -1,4 +1,7 @@
-"""`orchestrate margins`: measures the stability margins of a loop. Tests: tests/orchestration/cli/test_margins.py."""
+"""`orchestrate margins`: measures the stability margins of a loop. Tests: tests/orchestration/cli/test_margins.py.
+
+Longer than 250 lines: one command with its options, and what it writes and prints of each measure.
+"""
 
 from __future__ import annotations
 

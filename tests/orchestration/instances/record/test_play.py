@@ -17,6 +17,7 @@ from click.testing import CliRunner, Result
 
 from orchestration.cli.main import main
 from orchestration.errors import InputError
+from orchestration.instances.record import recorder
 from orchestration.instances.record.play import play
 
 from ... import as_fmi3, broken, fmus
@@ -44,6 +45,18 @@ def test_the_same_fmu_gives_the_recorded_answers(loop: Path, isolation: str, whi
     assert played.same
     calls = int(re.fullmatch(r"(\d+) calls, all answers as recorded", played.lines[-1])[1])
     assert calls > 3 * 10  # Set, DoStep and Get of each step, and what comes before
+
+
+@pytest.mark.parametrize("which", ["compiled", "python"])
+def test_windows_that_are_filled_many_times_over_lose_no_call_and_take_none_twice(
+    loop: Path, which: str, monkeypatch: pytest.MonkeyPatch
+):
+    whole = play(recorded(loop, "--loop", which)).lines[-1]
+    size = (loop.parent / "out/calls/regulator/calls.bin").stat().st_size
+    monkeypatch.setattr(recorder, "_WINDOW", 64)
+    record = recorded(loop, "--loop", which)
+    assert record.stat().st_size == size > 3 * recorder._WINDOWS * 64
+    assert play(record).lines[-1] == whole
 
 
 def test_a_run_that_is_recorded_has_the_same_signals(loop: Path):
