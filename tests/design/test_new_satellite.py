@@ -145,7 +145,7 @@ def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, m
             {"step": "0.04 s"},
             "--set control_period: blocks.controller.start.control_period: expected a multiple of the step",
         ),
-        ({"step": "0.3 s", "control_period": "1.5 s"}, "planned.yaml:105: record.interval: expected a multiple"),
+        ({"step": "0.3 s", "control_period": "1.5 s"}, "planned.yaml:106: record.interval: expected a multiple"),
     ],
 )
 def test_a_value_that_no_block_takes_is_told_at_once_and_nothing_is_written(tmp_path, changes, message):
