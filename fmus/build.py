@@ -121,7 +121,8 @@ def ensure_all(names: Iterable[str], here: bool = False) -> None:
     needed = {path: block for path, block in blocks.items() if not is_current(path, block, "native")}
     if len(needed) < 2:
         return  # `ensure` does it
-    _LOG.info("building %d FMUs: %s ...", len(needed), ", ".join(path.stem for path in needed))
+    where = "" if here else " for all platforms"
+    _LOG.info("building %d FMUs%s: %s ...", len(needed), where, ", ".join(path.stem for path in needed))
     begun = perf_counter()
     _packager("native")  # imported here: threads that import it at once may wait for each other
     with ThreadPoolExecutor(len(needed)) as pool:

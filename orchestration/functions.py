@@ -10,16 +10,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .acceptance import check as acceptance
 from .acceptance import compare as comparing
 from .acceptance.compare import Comparison
 from .acceptance.polarity import trials
 from .acceptance.polarity.trials import Trials
-from .campaign import engine
-from .campaign.case import read_campaign
-from .campaign.engine import Finished
 from .errors import InputError, Place, Problem, writing
 from .export import container, ssp
 from .export.system import flat
@@ -30,6 +27,9 @@ from .session.read import load, read
 from .session.run import run
 from .swap.findings import Finding
 from .swap.option import Swap, swapped
+
+if TYPE_CHECKING:
+    from .campaign.engine import Finished
 
 Given = str | Path | Scenario
 """A scenario: its file, or what `load` returned."""
@@ -72,6 +72,12 @@ def run_campaign(
     the place of the file's, `overrides` are start values by name. `workers` 0 flies in this process, None in one for
     each core.
     """
+    try:
+        from .campaign import engine  # a plain installation lacks what it needs  # noqa: PLC0415
+        from .campaign.case import read_campaign  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        needed = "pip install 'attitude-cosim[campaign]'"
+        raise InputError(f"run_campaign needs the package {error.name!r}; remedy: {needed}") from None
     entries = {key: value for key, value in (("runs", runs), ("seed", seed)) if value is not None}
     case = read_campaign(Path(campaign), entries, dict(overrides or {}))
     return engine.fly(case, Path("results") / case.campaign.name if out is None else Path(out), workers)

@@ -54,7 +54,13 @@ void estimator_spread(const EstimatorLaw *law, Vector turn, double sign, Matrix 
     const double bias =
         lost ? sqrt(2.0 / ESTIMATOR_LASTS) * estimator_disturbance_sigma(law) : law->p.field_random_walk;
     if (x->tracking && h > 0.0) {
-        const Walks walks = {angle_variance, bias * bias, walk, lost, law->J_inverse, exp(-h / ESTIMATOR_LASTS)};
+        Walks walks;
+        walks.angle = angle_variance;
+        walks.bias = bias * bias;
+        walks.rate = walk;
+        walks.by_torque = lost;
+        walks.push = law->J_inverse;
+        walks.lasts = exp(-h / ESTIMATOR_LASTS);
         const Transition transition = estimator_propagate(turn, h, sign, F, &walks, &x->P);
         spread(law, &transition, x);
     }
@@ -107,7 +113,7 @@ void estimator_lasting_rate(double sign, Estimate *x)
             x->S.m[i][k] *= sign;
         }
     }
-    memset(x->S.m[ERROR_BIAS], 0, 3 * sizeof x->S.m[0]);
+    (void)memset(x->S.m[ERROR_BIAS], 0, 3U * sizeof x->S.m[0]);
 }
 
 double estimator_bound(const EstimatorLaw *law, const Estimate *x, bool doubtful)

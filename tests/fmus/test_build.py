@@ -231,7 +231,9 @@ def test_blocks_are_built_side_by_side_and_the_log_has_their_time(
     monkeypatch.setattr("fmus.places.work", lambda: tmp_path)
     with caplog.at_level(logging.INFO, "attitude_cosim.build"):
         ensure_all(["plant", "allocator", "plant"])
-    assert re.fullmatch("building 2 FMUs: plant, allocator ...\nbuilt in \\d+ s", "\n".join(caplog.messages))
+    assert re.fullmatch(
+        "building 2 FMUs for all platforms: plant, allocator ...\nbuilt in \\d+ s", "\n".join(caplog.messages)
+    )
     assert [is_current(tmp_path / f"fmus/native/{name}.fmu", name, "native") for name in ("plant", "allocator")]
 
 

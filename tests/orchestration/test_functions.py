@@ -34,6 +34,26 @@ def test_a_function_has_a_docstring_and_returns_a_type_of_its_own(name):
     assert returned not in (inspect.Signature.empty, "Any", typing.Any)
 
 
+def test_a_plain_installation_has_all_functions_and_says_what_a_campaign_needs():
+    program = """
+import sys
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in {"scipy", "pyarrow", "pandas", "xarray", "matplotlib"}:
+            raise ModuleNotFoundError(name, name=name)
+sys.meta_path.insert(0, Absent())
+import orchestration
+for name in orchestration.__all__:
+    getattr(orchestration, name)
+try:
+    orchestration.run_campaign("any.yaml")
+except orchestration.InputError as error:
+    print(error)
+"""
+    said = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    assert said == "run_campaign needs the package 'scipy'; remedy: pip install 'attitude-cosim[campaign]'\n"
+
+
 def test_a_sweep_flies_every_combination_of_values():
     points = sweep(MINIMAL, {"plant.h_w0": [0.0, "1 mN.m.s"], "step": [0.1, 0.05]}, duration="1 s")
     assert [tuple(p.values.values()) for p in points] == [

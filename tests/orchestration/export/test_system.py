@@ -75,6 +75,15 @@ def test_a_container_is_told_each_link_from_its_source_to_its_target_and_what_st
     assert told["sequential"]
 
 
+def test_times_in_a_unit_of_the_scenario_s_own_do_not_keep_it_from_export(loop):
+    loop.write_text(
+        loop.read_text()
+        + "cycle: {name: turns, period: 2 s}\n"
+        + "live: {faults: [{name: no voltage, cut: motor.voltage, at: 0.5 turns}]}\n"
+    )
+    assert {c.name for c in of(loop)[0].components} == {"motor", "regulator"}
+
+
 def test_a_rate_of_its_own_needs_an_fmu_that_can_keep_it(loop):
     loop.write_text(loop.read_text().replace("fmu: regulator.fmu\n", "fmu: regulator.fmu\n    every: 2\n"))
     with pytest.raises(InputError, match=r"regulator\.every: .* its FMU has no parameter sample_period"):

@@ -87,6 +87,15 @@ def page(opened: Tab) -> Iterator[Tab]:
 
 
 @pytest.fixture
+def unbounded(page: Tab) -> Iterator[Tab]:
+    """The page with a slider for hold_fraction that takes -1, as the scenario's one does not."""
+    least = page.page.evaluate("document.querySelector('[data-control=\"4\"]').min")
+    page.page.evaluate("document.querySelector('[data-control=\"4\"]').min = -1")
+    yield page
+    page.page.evaluate("least => { document.querySelector('[data-control=\"4\"]').min = least }", least)
+
+
+@pytest.fixture
 def elsewhere(opened: Tab, folder: Path) -> Iterator[Tab]:
     """The tab for another page; it has V.B again afterwards."""
     yield opened
@@ -304,13 +313,12 @@ def test_the_page_fits_every_width_and_asks_no_network(page):
     assert [url for url in page.foreign if not url.startswith("blob:")] == []
 
 
-def test_a_run_that_fails_says_which_block_refused_what(page):
-    page.page.evaluate("document.querySelector('[data-control=\"4\"]').min = -1")
-    move(page, {4: -1})
-    assert flown(page)["state"] == "failed"
-    assert "allocator: " in (page.page.text_content("#failure") or "")
-    assert "hold_fraction" in (page.page.text_content("#failure") or "")
-    assert "the curves are of the flight before" in (page.page.text_content("#verdict") or "")
+def test_a_run_that_fails_says_which_block_refused_what(unbounded):
+    move(unbounded, {4: -1})
+    assert flown(unbounded)["state"] == "failed"
+    assert "allocator: " in (unbounded.page.text_content("#failure") or "")
+    assert "hold_fraction" in (unbounded.page.text_content("#failure") or "")
+    assert "the curves are of the flight before" in (unbounded.page.text_content("#verdict") or "")
 
 
 def test_the_page_is_small(folder):
