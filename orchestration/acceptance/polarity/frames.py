@@ -87,7 +87,7 @@ def other_frame(
             tried = [again] if rest is None else [unknowns, again]
         causes: tuple[Cause, ...] = ()
         if rest is not None:
-            made = [(*rest(_read(ours, reading, *whole[:2], u)), u) for u in tried]
+            made = [(*rest(_played(ours, whole[0], reading.read(*whole[:2], u))), u) for u in tried]
             causes, left, unknowns = min(made, key=lambda one: one[1])
         else:
             unknowns = tried[0]
@@ -172,19 +172,18 @@ def _all(names: list[str]) -> str:
     return " and ".join(names)
 
 
+def _played(ours: Bench, inputs: Inputs, read: Inputs) -> Inputs | None:
+    """Returns what ours gives where it reads some inputs otherwise."""
+    return ours.play({n: v for n, v in {**inputs, **read}.items() if n in ours.model.variables})
+
+
 def _left(ours: Bench, inputs: Inputs, read: Inputs, given: Inputs) -> Floats:
     """Returns what differs from theirs, in shares of each output, where ours reads some inputs otherwise."""
-    played = ours.play({n: v for n, v in {**inputs, **read}.items() if n in ours.model.variables})
+    played = _played(ours, inputs, read)
     if played is None:
         return np.full(sum(v.size for v in given.values()), 1.0)
     parts = [(played[n] - v) / (float(np.linalg.norm(v)) or 1.0) for n, v in given.items()]
     return np.concatenate([part.ravel() for part in parts]) / len(given) ** 0.5
-
-
-def _read(ours: Bench, reading: Reading, inputs: Inputs, time: Floats, unknowns: Floats) -> Inputs | None:
-    """Returns what ours gives where it reads some inputs otherwise."""
-    read = {**inputs, **reading.read(inputs, time, unknowns)}
-    return ours.play({n: v for n, v in read.items() if n in ours.model.variables})
 
 
 def _fitted(
