@@ -23,7 +23,7 @@ PYTEST := $(BIN)/pytest -n auto --dist worksteal
 check: lint
 	$(PYTEST) -m '$(QUICK)'
 
-# Below five minutes on two cores.
+# Seven minutes on two cores, ten where the FMUs are not built yet.
 test: lint
 	$(PYTEST) -m 'not thorough'
 

@@ -1,6 +1,7 @@
 """Errors of the user or of an FMU, which are found before a run, and failures of a block while it runs.
 
 An error is data: its place, what was expected and found there, and the remedy. Its text is made here, and only here.
+Longer than 250 lines: so that the words of all errors stand in one place.
 """
 
 from __future__ import annotations
@@ -247,3 +248,8 @@ def as_written(value: Any) -> str:
     if isinstance(value, str) and len(value) > 200:
         return f"{value[:200]!r} ... of {len(value)} characters"
     return "a list" if isinstance(value, (list, tuple)) else repr(value)
+
+
+def lacking(what: str, package: str | None, needed: str = "attitude-cosim[campaign]") -> InputError:
+    """Returns the error of something that needs a package which is not installed, and what installs it."""
+    return InputError(f"{what} needs the package {package!r}; remedy: pip install '{needed}'")

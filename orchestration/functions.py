@@ -17,7 +17,7 @@ from .acceptance import compare as comparing
 from .acceptance.compare import Comparison
 from .acceptance.polarity import trials
 from .acceptance.polarity.trials import Trials
-from .errors import InputError, Place, Problem, writing
+from .errors import InputError, Place, Problem, lacking, writing
 from .export import container, ssp
 from .export.system import flat
 from .results.result import Result
@@ -76,8 +76,7 @@ def run_campaign(
         from .campaign import engine  # a plain installation lacks what it needs  # noqa: PLC0415
         from .campaign.case import read_campaign  # noqa: PLC0415
     except ModuleNotFoundError as error:
-        needed = "pip install 'attitude-cosim[campaign]'"
-        raise InputError(f"run_campaign needs the package {error.name!r}; remedy: {needed}") from None
+        raise lacking("run_campaign", error.name) from None
     entries = {key: value for key, value in (("runs", runs), ("seed", seed)) if value is not None}
     case = read_campaign(Path(campaign), entries, dict(overrides or {}))
     return engine.fly(case, Path("results") / case.campaign.name if out is None else Path(out), workers)

@@ -12,7 +12,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from ..errors import InputError, reason
+from ..errors import lacking, reason
 from ..interrupt import held
 from ..results.place import refuse_links, reserved
 from .case import Case
@@ -66,7 +66,7 @@ def fly(
     is valid. Raises InputError where the folder holds another campaign, ResultsError where it cannot be written.
     """
     if Dataset is None:
-        raise InputError("a campaign needs the package 'pyarrow'; remedy: pip install 'attitude-cosim[campaign]'")
+        raise lacking("a campaign", "pyarrow")
     with reserved(folder), ExitStack() as stack:
         flight = _Campaign(case, folder, partial(crew, case.job, workers, scheduler, dashboard), stack, tell, remark)
         flight.fly()

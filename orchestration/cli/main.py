@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, cast
 import click
 from click.shell_completion import CompletionItem
 
-from ..errors import InputError, nearest, suggestion
+from ..errors import InputError, lacking, nearest, suggestion
 from .console import tell_builds
 from .help import examples
 from .status import Commands
@@ -126,7 +126,7 @@ def _lacking(name: str, error: ModuleNotFoundError, needed: str) -> click.Comman
     """Returns a command that refuses whatever it is asked."""
 
     def refuse(words: tuple[str, ...]) -> None:
-        raise InputError(f"{name} needs the package {error.name!r}; remedy: pip install '{needed}'")
+        raise lacking(name, error.name, needed)
 
     return click.Command(
         name,

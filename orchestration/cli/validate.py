@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..errors import InputError
+from ..errors import InputError, lacking
 from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
 from ..live.system import checked
@@ -111,8 +111,7 @@ def _campaign(ctx: click.Context, path: Path, sets: Sequence[str]) -> Case:
     try:
         from ..campaign.case import read_campaign  # here, since only campaigns need SciPy  # noqa: PLC0415
     except ModuleNotFoundError as error:
-        remedy = "pip install 'attitude-cosim[campaign]'"
-        raise InputError(f"a campaign needs the package {error.name!r}; remedy: {remedy}") from None
+        raise lacking("a campaign", error.name) from None
     return read_campaign(path, None, settings(sets), loads=False)
 
 
