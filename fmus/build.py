@@ -60,8 +60,9 @@ def build(
         path = paths[block.name] = _path(block.name, flavour, out)
         _LOG.info("building %s (%s)%s ...", path.name, flavour, f", {number} of {len(chosen)}" if chosen[1:] else "")
         _make(block, flavour, path, version=version)
-        if out is None:  # what is built anew takes the place of a file that was spoilt
-            _path(block.name, flavour, None, here=True).unlink(missing_ok=True)
+        here = _path(block.name, flavour, None, here=True)
+        if flavour == "native" and out is None and here.exists():  # what is built anew takes the place of a file that was spoilt
+            _write(here, path.read_bytes(), fingerprint(block, flavour).encode())
     return paths
 
 

@@ -171,6 +171,21 @@ def test_what_need_only_run_here_has_one_library_and_stands_apart(
     assert ensure("allocator", here=True).stat().st_mtime_ns == first
 
 
+def test_a_build_for_all_platforms_renews_the_file_of_this_machine_and_never_takes_it_away(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another process may be about to open it."""
+    monkeypatch.setattr("fmus.places.work", lambda: tmp_path)
+    monkeypatch.setattr(Path, "unlink", lambda path, **_: pytest.fail(f"{path} was taken away"))
+    path = ensure("allocator", here=True)
+    path.write_bytes(b"spoilt")
+    everywhere = build(["allocator"])["allocator"]
+    assert path.read_bytes() == everywhere.read_bytes()
+    assert ensure("allocator", here=True) == path
+    build(["allocator"], "python")
+    assert path.read_bytes() == everywhere.read_bytes()
+
+
 def test_every_file_that_makes_an_fmu_counts_for_its_fingerprint(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
