@@ -61,7 +61,7 @@ def build(
         _LOG.info("building %s (%s)%s ...", path.name, flavour, f", {number} of {len(chosen)}" if chosen[1:] else "")
         _make(block, flavour, path, version=version)
         here = _path(block.name, flavour, None, here=True)
-        if flavour == "native" and out is None and here.exists():  # what is built anew takes the place of a file that was spoilt
+        if flavour == "native" and out is None and here.exists():  # a file that was spoilt goes, without a gap
             _write(here, path.read_bytes(), fingerprint(block, flavour).encode())
     return paths
 
