@@ -96,10 +96,15 @@ const timeline = {
     const { min, max } = u.scales.x;
     u.setCursor(at === null || at < min || at > max ? { left: -10, top: -10 } : { left: u.valToPos(at, "x"), top: 4 });
   }
-  function follow(at, from) {
+  let looked = null; // the instant at which the cursors stand
+  function pass(at, to) { // the others' cursor to one that is linked
     passing = true;
-    for (const [place, u] of drawn) if (u !== from && u.linked && visible.has(place)) point(u, at);
+    for (const u of to) if (u.linked) point(u, at);
     passing = false;
+  }
+  function follow(at, from) {
+    looked = at;
+    pass(at, [...visible].map((place) => drawn.get(place)).filter((u) => u && u !== from));
   }
   timeline.followers.push(follow);
   function told(u, plot, curves) { // the values under the cursor, with units
@@ -465,7 +470,9 @@ const timeline = {
   const seen = new IntersectionObserver((entries) => {
     for (const { target, isIntersecting } of entries) {
       visible[isIntersecting ? "add" : "delete"](target);
-      if (isIntersecting && !printing) show(target);
+      if (!isIntersecting || printing) continue;
+      show(target);
+      if (drawn.has(target)) pass(looked, [drawn.get(target)]); // it has come after the others
     }
   }, { rootMargin: "30% 0px" });
   const again = () => drawn.forEach((_, place) => draw(place));

@@ -21,15 +21,21 @@ def executable() -> str | None:
     )
 
 
-PATIENCE = 30
-"""For how long a page is waited for, s."""
+PATIENCE = 120
+"""For how long a page is waited for, s: what takes seconds on an idle machine takes minutes on a slow, busy one."""
+
+SETTLED = """new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() =>
+  new IntersectionObserver((_, self) => { self.disconnect(); requestAnimationFrame(() => setTimeout(done)); })
+    .observe(document.documentElement))))"""
+"""Two frames; then a frame whose observers have all been told, since this one is the last of them; then the frame that
+shows what they have drawn."""
 
 
 @contextmanager
 def launched(path: str) -> Iterator[Tab]:
     """One tab in a browser of its own."""
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS, timeout=1000 * PATIENCE)
         try:
             yield Tab(browser)
         finally:
@@ -41,6 +47,7 @@ class Tab:
 
     def __init__(self, browser: Browser) -> None:
         self.page: Page = browser.new_page()
+        self.page.set_default_timeout(1000 * PATIENCE)
         self.complaints: list[str] = []
         """What came to the console as warning or error, and exceptions that nobody caught."""
         self.requests: list[str] = []
@@ -66,11 +73,15 @@ class Tab:
     def resize(self, width: int, height: int = 900) -> None:
         """The same page at another width."""
         self.page.set_viewport_size({"width": width, "height": height})
+        self.until(f"innerWidth === {width} && innerHeight === {height}")
         self.settle()
 
     def settle(self) -> None:
-        """Lets the page paint what it has to."""
-        self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
+        """Waits until the page has painted what it has to: frames asked for, plots that have come near the screen.
+
+        What a worker or a timer does is not waited for: see `until`.
+        """
+        self.page.evaluate(SETTLED)
 
     def until(self, condition: str, patience: float = PATIENCE) -> None:
         """Waits (s) until an expression is true; Playwright's own way evaluates text in the page, which its policy

@@ -189,7 +189,7 @@ def test_the_plots_are_drawn_and_a_dot_tells_its_run(chromium: Tab, folder):
         "getComputedStyle(m).background)"
     )
     assert len(set(chromium.page.evaluate(swatches))) == 3  # lower bound, upper bound, share
-    chromium.page.set_viewport_size({"width": 390, "height": 800})
+    chromium.resize(390, 800)
     cut = "[...document.querySelectorAll('.scroll')].filter(s => s.scrollWidth > s.clientWidth).length"
     assert chromium.page.evaluate(cut) == 0  # each row is a card
     second = "getComputedStyle(document.querySelector('.named td:nth-child(2)'), '::before').content"
