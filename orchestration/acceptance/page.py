@@ -11,6 +11,7 @@ from fmus.interface import SOURCE, cites
 
 from ..errors import writing
 from ..quantities import ONE, shown, with_unit
+from ..results import view as seen
 from ..results.curves import axis
 from ..results.html import Page, each, header, joined, listed, piece, section, table, verdict
 from ..results.plots import CURVES, ROWS, Curve, plot
@@ -59,10 +60,12 @@ def sections(comparison: Comparison, made: Page) -> list[Markup]:
     """Returns the parts of the page below its head, for another page, too."""
     ours, theirs = comparison.ours, comparison.theirs
     open_loop = _open_loop(comparison, made)  # whose plots come first on the page
+    motion = _motion(comparison, made)
     figures = joined(figure(ours, entry, made, theirs) for entry in ours.scenario.figures)
     return [
         open_loop,
         section("Closed loop", _CLOSED + table(_EXPECTATIONS, _claims(comparison))),
+        section("Motion", motion),
         section("Key figures", table(_KEY_FIGURES, _key_figures(comparison))),
         section(
             "Figures of the closed loop", figures, Markup('<p class="hint">Ours is wide and pale, theirs thin.</p>\n')
@@ -70,6 +73,12 @@ def sections(comparison: Comparison, made: Page) -> list[Markup]:
         section("Notes", listed(theirs.warnings, "notes")),
         fmu_table("FMUs compared", "whose", _fmus(comparison)),
     ]
+
+
+def _motion(comparison: Comparison, made: Page) -> Markup:
+    """Returns the view of the run with theirs, ours as its ghost; nothing where one of them has no attitude to show."""
+    ours, theirs = (seen.view(result, made.arrays) for result in (comparison.ours, comparison.theirs))
+    return made.view(ours and theirs and {**theirs, "former": ours, "names": ["with theirs", "with ours"]})
 
 
 def _open_loop(comparison: Comparison, made: Page) -> Markup:

@@ -11,7 +11,7 @@
   const part = (name) => root.querySelector(`[data-part="${name}"]`);
   const stage = part("stage"), slider = part("slider"), play = part("play");
   const dark = matchMedia("(prefers-color-scheme: dark)"), calm = matchMedia("(prefers-reduced-motion: reduce)");
-  let flown = motion.read(data, array), former = null; // the flight before, on a live page
+  let flown = motion.read(data, array), former = data.former ? motion.read(data.former, array) : null; // or the flight before, on a live page
 
   let canvas = part("canvas"), slow = false, lower = false, renderer, gl, drawn, body, local, ghosts, arrows, light, earth;
   const labels = [];
@@ -214,7 +214,7 @@
 
   // ---------------------------------------------------------------- small multiples
 
-  const INSTANTS = 6, SMALL = 180; // px
+  const named = data.names || ["this flight", "flight before"], INSTANTS = 6, SMALL = 180; // px
   let later = 0;
   function multiples() { // both flights at the same instants, as the camera stands
     clearTimeout(later);
@@ -224,7 +224,7 @@
     if (playing) return; // once it stands
     const kept = [flown, former, now], end = Math.min(flown.last, former.last);
     const instants = Array.from({ length: INSTANTS }, (_, i) => first + (i / (INSTANTS - 1)) * (end - first));
-    const cells = [["this flight", flown], ["flight before", former]].flatMap(([name, own]) => [name, ...instants.map((t) => {
+    const cells = [[named[0], flown], [named[1], former]].flatMap(([name, own]) => [name, ...instants.map((t) => {
       [flown, former, now] = [own, null, t];
       render();
       const cell = document.createElement("div"), small = Object.assign(document.createElement("canvas"), { width: SMALL, height: SMALL });
@@ -303,8 +303,10 @@
   part("frame").addEventListener("change", (event) => { frame = event.target.value; draw(); });
   for (const name of ["lvlh", ...Object.keys(ghosts)]) {
     part(name).addEventListener("change", draw);
-    part(name).closest("label").hidden = name === "lvlh" ? !orbiting : name === "before" || data[name] == null;
+    part(name).closest("label").hidden = name === "lvlh" ? !orbiting : name === "before" ? !former : data[name] == null;
   }
+  part("before").nextSibling.textContent = `${named[1]} (grey)`;
+  part("both").hidden = !former;
   if (!orbiting) for (const name of ["orbit", "earth"]) part("frame").querySelector(`[value=${name}]`).remove();
   part("field").closest("label").hidden = part("camera").closest("label").hidden = !orbiting;
   part("field").addEventListener("change", () => { earth.field.visible = shown("field"); draw(); });

@@ -13,6 +13,7 @@ from orchestration.acceptance.difference import Difference
 from orchestration.acceptance.playback import Played
 
 from ..results.browser import Tab, pixels
+from ..results.flown import flown
 from ..results.swing import EVIL, Reader, data_of, swing, unpacked
 
 pytestmark = pytest.mark.isolate
@@ -82,4 +83,22 @@ def test_a_browser_draws_it_without_a_complaint_and_nothing_stands_out_at_the_si
     for width in (1366, 390):
         chromium.resize(width)
         assert chromium.page.evaluate("document.documentElement.scrollWidth") == width
+    assert chromium.complaints == []
+
+
+def test_the_view_has_the_motion_with_theirs_and_ours_as_its_ghost_and_beside_it(chromium: Tab, tmp_path: Path):
+    ours, theirs = flown(), flown(rate=1.0)
+    played = Played(ours.models["a"], np.arange(201), {}, [])
+    chromium.open(pages.write(Comparison("a", "their.fmu", ours, theirs, played), tmp_path))
+    view = chromium.page.locator(".view")
+    view.locator("details").evaluate_all("folds => folds.forEach(fold => { fold.open = true; })")
+    assert view.get_by_role("checkbox", name="with ours (grey)").is_checked()
+    chromium.until("document.querySelectorAll('[data-part=strip] canvas').length === 12")
+    texts = view.locator("[data-part=strip]").inner_text().split("\n")
+    assert [text for text in texts if text.startswith("with")] == ["with theirs", "with ours"]
+    ends = [text for text in texts if text.startswith("100 s")]
+    assert ends == ["100 s, 100 deg off", "100 s, 50 deg off"]
+    chromium.page.locator("[data-part=slider]").fill("50")
+    chromium.settle()
+    assert chromium.page.inner_text("[data-part=words]").startswith("50 s; turning; 50 deg from the desired attitude")
     assert chromium.complaints == []

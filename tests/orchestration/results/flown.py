@@ -16,13 +16,13 @@ RADIUS, RATE = 7e6, 1.078e-3
 """m, rad/s"""
 
 
-def flown(steps: int = 200, **more: Any) -> Result:
-    """100 s in which the body turns by half a degree a second about the axis N z away from a desired attitude at
+def flown(steps: int = 200, rate: float = 0.5, **more: Any) -> Result:
+    """100 s in which the body turns at a rate, deg/s, about the axis N z away from a desired attitude at
     rest."""
 
     def evaluate(block: Mock) -> None:
         t = block.state
-        a = np.radians(0.5 * t)
+        a = np.radians(rate * t)
         r = RADIUS * np.array([np.cos(RATE * t), 0.0, np.sin(RATE * t)])
         values = {
             "q": [np.cos(a / 2), 0.0, 0.0, np.sin(a / 2)],
