@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -38,6 +38,8 @@ SHARE = 0.3
 """Of the rods' torque that disturbances may take: across the field is a part of all directions only."""
 LONG, LEVER, NONE = 1.5, 0.25, 1e-8
 """Length over width of a long body; offset of the centre of mass over the size; N m s below which a wheel is none."""
+WHEEL = "@"
+"""Stands for the name of a wheel."""
 
 
 @dataclass(frozen=True)
@@ -296,42 +298,52 @@ def _times(value: float, least: float, most: float) -> str:
 
 
 def _of_wheels(s: Satellite) -> Iterator[Finding]:
+    """Yields what is found of the wheels; what is the same of several is said once."""
+    found: dict[Finding, list[int]] = {}
+    for number, (wheel, axis) in enumerate(zip(s.p.wheel_list, s.p.wheel_axes, strict=True), start=1):
+        if wheel.momentum_max >= NONE:
+            for finding in _of_wheel(s, wheel, axis):
+                found.setdefault(finding, []).append(number)
+    for finding, numbers in found.items():
+        listed = ", ".join(map(str, numbers))
+        name = "the wheel" if not s.p.is_set else f"wheel {listed}" if len(numbers) == 1 else f"each of wheels {listed}"
+        yield replace(finding, what=finding.what.replace(WHEEL, name))
+
+
+def _of_wheel(s: Satellite, wheel: Any, axis: Array) -> Iterator[Finding]:
+    """Yields what is found of a wheel, which is called WHEEL."""
     period = 2.0 * math.pi * math.sqrt(s.p.orbit.semi_major_axis**3 / s.p.gravitational_parameter)
     gathered = {name: value for name, value in s.disturbances().items() if name != "gravity gradient"}
-    for number, (wheel, axis) in enumerate(zip(s.p.wheel_list, s.p.wheel_axes, strict=True), start=1):
-        if wheel.momentum_max < NONE:
-            continue
-        name = f"wheel {number}" if s.p.is_set else "the wheel"
-        spin_up = wheel.momentum_max / wheel.torque_max if wheel.torque_max > 0.0 else math.inf
-        if not SPIN_UP[0] <= spin_up <= SPIN_UP[1]:
-            yield Finding(
-                f"{name} is full after {spin_up:.3g} s of its largest torque",
-                f"{SPIN_UP[0]:g} to {SPIN_UP[1]:g} s",
-                f"check the units of wheel_torque_max ({wheel.torque_max:g} N.m) and wheel_momentum_max "
-                f"({wheel.momentum_max:g} N.m.s)",
-            )
-        held = math.degrees(wheel.momentum_max / float(axis @ s.p.J_B @ axis))
-        if not HOLDS[0] <= held <= HOLDS[1]:
-            yield Finding(
-                f"{name}, full, turns the body at {held:.3g} deg/s about its axis",
-                f"{HOLDS[0]:g} to {HOLDS[1]:g} deg/s",
-                "check wheel_momentum_max against J_B",
-            )
-        emptied = wheel.momentum_max / s.rods if s.rods > 0.0 else math.inf
-        if not 1.0 <= emptied <= 0.5 * period:
-            which = "weak for the wheel" if emptied > 1.0 else "strong for it"
-            yield Finding(
-                f"the rods take the momentum of {name} away in {emptied:.3g} s",
-                f"1 s to half an orbit, {0.5 * period:.0f} s",
-                f"the rods are too {which}: check dipole_max and wheel_momentum_max",
-            )
-        if (steady := 0.25 * period * sum(gathered.values())) > wheel.momentum_max and emptied <= 0.5 * period:
-            yield Finding(
-                f"disturbances gather up to {steady:.3g} N.m.s in a quarter of an orbit, {name} holds "
-                f"{wheel.momentum_max:g} N.m.s",
-                "less than it holds",
-                "the rods have to unload it all the time: a larger wheel or a smaller disturbance",
-            )
+    spin_up = wheel.momentum_max / wheel.torque_max if wheel.torque_max > 0.0 else math.inf
+    if not SPIN_UP[0] <= spin_up <= SPIN_UP[1]:
+        yield Finding(
+            f"{WHEEL} is full after {spin_up:.3g} s of its largest torque",
+            f"{SPIN_UP[0]:g} to {SPIN_UP[1]:g} s",
+            f"check the units of wheel_torque_max ({wheel.torque_max:g} N.m) and wheel_momentum_max "
+            f"({wheel.momentum_max:g} N.m.s)",
+        )
+    held = math.degrees(wheel.momentum_max / float(axis @ s.p.J_B @ axis))
+    if not HOLDS[0] <= held <= HOLDS[1]:
+        yield Finding(
+            f"{WHEEL}, full, turns the body at {held:.3g} deg/s about its axis",
+            f"{HOLDS[0]:g} to {HOLDS[1]:g} deg/s",
+            "check wheel_momentum_max against J_B",
+        )
+    emptied = wheel.momentum_max / s.rods if s.rods > 0.0 else math.inf
+    if not 1.0 <= emptied <= 0.5 * period:
+        which = "weak for the wheel" if emptied > 1.0 else "strong for it"
+        yield Finding(
+            f"the rods take the momentum of {WHEEL} away in {emptied:.3g} s",
+            f"1 s to half an orbit, {0.5 * period:.0f} s",
+            f"the rods are too {which}: check dipole_max and wheel_momentum_max",
+        )
+    if (steady := 0.25 * period * sum(gathered.values())) > wheel.momentum_max and emptied <= 0.5 * period:
+        yield Finding(
+            f"disturbances gather up to {steady:.3g} N.m.s in a quarter of an orbit, {WHEEL} holds "
+            f"{wheel.momentum_max:g} N.m.s",
+            "less than it holds",
+            "the rods have to unload it all the time: a larger wheel or a smaller disturbance",
+        )
 
 
 def _of_sensors(s: Satellite) -> Iterator[Finding]:

@@ -12,6 +12,8 @@ from typing import Any
 import click
 import numpy as np
 
+from fmus.interface import BLOCKS
+from fmus.interface import load as interface
 from orchestration import InputError
 from orchestration import load as load_scenario
 from orchestration.cli.console import say, say_table
@@ -23,6 +25,7 @@ from orchestration.session.read import read
 from orchestration.session.run import whole
 
 LAWS = Path(__file__).parent / "laws"
+COMPARED = ("bdot", "pd", "lqr", "paper")
 ERROR, WHEELS = "judge.attitude_error", "plant.h_w"
 OWN = "the scenario's own"
 
@@ -118,6 +121,15 @@ def _row(name: str, source: Source, starts: Sequence[Mapping[str, Any]], below: 
     )
 
 
+def _compared(entry: Mapping[str, Any]) -> dict[str, Path]:
+    """Returns the laws to compare with that can stand in the place of a block; none of one that commands actuators."""
+    kind = entry.get("interface") or entry.get("fmu")
+    if kind in BLOCKS and "tau_cmd_B" not in interface(kind).variables:
+        say(f"note: {', '.join(COMPARED)} are left out: they give tau_cmd_B, which {kind} does not have", error=True)
+        return {}
+    return {name: LAWS / f"{name}.py" for name in COMPARED}
+
+
 @click.command(
     epilog=examples(
         "orchestrate rank my_law.py --scenario mine/tumble.yaml",
@@ -162,7 +174,7 @@ def command(
         source = source.with_value("duration", duration, "--duration")
     flown: dict[str, Path | None] = {law.stem: law for law in laws}
     if not alone:
-        flown |= {OWN: None, **{name: LAWS / f"{name}.py" for name in ("bdot", "pd", "lqr", "paper")}}
+        flown |= {OWN: None, **_compared(source.data["blocks"][place])}
     rows = ranked(source, flown, tumbles(runs, math.radians(rate), seed), math.radians(below), place)
     say_table(
         ("law", "settled", "median, s", "worst, s", "rms after, deg", "largest after, deg", "wheel, N.m.s"),

@@ -15,7 +15,7 @@ import numpy as np
 from orchestration import InputError
 from orchestration.quantities import QuantityError, parse_unit, value_in
 
-from .template import Template
+from .template import Template, flow
 
 MU, EARTH_RADIUS = 3.986004418e14, 6378137.0
 """m3/s2 and m (WGS 84)."""
@@ -75,8 +75,8 @@ def _matrix(value: Any) -> Any:
     return matrix if matrix.shape == (3, 3) else None
 
 
-def _size(value: float, unit: str) -> str:
-    """A value to three figures with a prefix."""
+def prefixed(value: float, unit: str) -> str:
+    """Returns a value to three figures with a prefix of its unit."""
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g} {unit}"
     power = min(max(3 * math.floor(math.log10(abs(value)) / 3), -9), 3)
@@ -108,22 +108,28 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
     if J is not None and torque > 0.0 and np.trace(J) > 0.0:
         turned = math.sqrt(np.trace(J) / 3.0 / torque)
         notes["dipole_max"] = (
-            f"{_size(torque, 'N.m')} in a field of 44 uT, which turn the body by a radian in {turned:.3g} s"
+            f"{prefixed(torque, 'N.m')} in a field of 44 uT, which turn the body by a radian in {turned:.3g} s"
         )
     else:
-        notes["dipole_max"] = f"{_size(torque, 'N.m')} in a field of 44 uT"
+        notes["dipole_max"] = f"{prefixed(torque, 'N.m')} in a field of 44 uT"
     if values["residual_dipole_B"] is None:
         each = RESIDUAL * dipole
         values["residual_dipole_B"] = [f"{sign * each:.3g} A.m2" for sign in (1, -1, 1)]
         largest = math.sqrt(3.0) * each * FIELD
-        notes["residual_dipole_B"] = f"assumed, a hundredth of the rods': up to {_size(largest, 'N.m')}; measure it"
+        notes["residual_dipole_B"] = f"assumed, a hundredth of the rods': up to {prefixed(largest, 'N.m')}; measure it"
     else:
         notes["residual_dipole_B"] = "as given"
     notes["dipole_mean"] = f"{DUTY * dipole:.6g} A.m2"
 
     kind = str(values["wheels"])
     axes = wheel_axes(kind)
-    notes["momentum_limit"] = NO_WHEEL[1] if kind == "none" else str(values["wheel_momentum_max"])
+    notes["momentum_expected"], notes["wheel_fault"] = "# no wheel, and nothing expected of it", "# no wheel to fail"
+    if kind != "none":
+        within = flow(values["wheel_momentum_max"])
+        notes["momentum_expected"] = (
+            f"- {{name: wheel momentum within its limit, signal: plant.h_w, always: {{within: {within}}}}}"
+        )
+        notes["wheel_fault"] = "- {name: wheel stuck, cut: plant.wheel_torque_cmd, at: 1 orbits}"
     if kind == "none":
         values["wheel_torque_max"], values["wheel_momentum_max"] = NO_WHEEL
         notes |= {"wheels": "no wheel: next to nothing, as the controller takes it"}

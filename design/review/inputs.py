@@ -15,6 +15,7 @@ from plant.orbit import lvlh
 from plant.so3 import Array
 
 from ..plausible import findings
+from ..sheet import prefixed
 from . import studies
 from .content import Curves, Section, Table, number
 from .drawing import drawing
@@ -144,9 +145,7 @@ def disturbances(facts: Facts) -> tuple[Section, dict[str, float]]:
         bound = bounds.get(name, sum(bounds.values()) if name == "all together" else 0.0)
         rows.append([name, *(f"{1e9 * v:.3g}" for v in (size.min(), size.mean(), size.max(), bound)),
                      f"{0.0 if name in flat else 1e6 * gathered[name]:.3g}"])  # fmt: skip
-    margins = [
-        ["rods, weakest field", f"{1e6 * s.rods:.3g} uN.m", f"{1e6 * largest:.3g} uN.m", _ratio(s.rods, largest)]
-    ]
+    margins = [["rods, weakest field", prefixed(s.rods, "N.m"), prefixed(largest, "N.m"), _ratio(s.rods, largest)]]
     least = {"torque_margin": [(s.rods, largest)], "momentum_margin": list[tuple[float, float]]()}
     for i, wheel in enumerate(p.wheel_list, start=1):
         if wheel.momentum_max > 1e-8:
@@ -155,7 +154,7 @@ def disturbances(facts: Facts) -> tuple[Section, dict[str, float]]:
                 ("momentum of an orbit", wheel.momentum_max, gathered["all together"], "N.m.s"),
                 ("torque", wheel.torque_max, largest, "N.m"),
             ):
-                told = [f"{1e6 * value:.3g} u{unit}" for value in (gives, needed)]
+                told = [prefixed(value, unit) for value in (gives, needed)]
                 margins.append([f"wheel {i}, {what}", *told, _ratio(gives, needed)])
     columns = ["cause", "least, nN.m", "mean, nN.m", "largest, nN.m", "bound at any attitude, nN.m", "gathered, uN.m.s"]
     note = (

@@ -10,11 +10,11 @@ from collections.abc import Mapping
 
 from orchestration.campaign.flying.rows import Rows
 from orchestration.campaign.statistics.verdicts import Requirement, verdicts
-from orchestration.quantities import with_unit
+from orchestration.quantities import Unit, with_unit
 
 from . import tumbles
 from .content import Section, Table
-from .options import DRAWN, METRICS, Asked, Options
+from .options import DRAWN, METRICS, RADIAN, Asked, Options
 
 COLUMNS = ["id", "requirement", "limit", "required", "verdict", "margin", "runs, seed", "worst case", "why"]
 
@@ -46,8 +46,13 @@ def _line(one: Asked, options: Options, rows: Rows, single: Mapping[str, float])
     verdict = verdicts([Requirement(one.id, one.probability, one.confidence)], {one.id: met}, count)[0]
     worst = tumbles.worst(rows, one)
     replay = f"run {worst}: orchestrate campaign tumbles.yaml --out tumbles --replay {worst}"
-    shown = with_unit(margin, unit.name) if math.isfinite(margin) else "none: it is never met by that share"
+    shown = _told(margin, unit) if math.isfinite(margin) else "none: it is never met by that share"
     return [*head, required, verdict.status, shown, f"{count}, seed {options.seed}", replay, verdict.text]
+
+
+def _told(value: float, unit: Unit) -> str:
+    """Returns a value with its unit, an angle in degrees."""
+    return with_unit(math.degrees(value), "deg") if unit == RADIAN else with_unit(value, unit.name)
 
 
 def _of_one(one: Asked, head: list[str], value: float, study: str) -> list[str]:
@@ -67,6 +72,6 @@ def _of_one(one: Asked, head: list[str], value: float, study: str) -> list[str]:
     margin = bound - value if one.below is not None else value - bound
     status = "met" if margin > 0.0 else "not met"
     unit = METRICS[one.metric][1]
-    shown = with_unit(margin, unit.name) if math.isfinite(margin) else "–"
-    why = f"{study}: {with_unit(value, unit.name) if math.isfinite(value) else 'never'}; single flights, no probability"
+    shown = _told(margin, unit) if math.isfinite(margin) else "–"
+    why = f"{study}: {_told(value, unit) if math.isfinite(value) else 'never'}; single flights, no probability"
     return [*head, "–", status, shown, "1", f"flights/{study}*", why]

@@ -193,6 +193,7 @@ def test_sets_of_wheels_and_sensors_fly_their_first_sample(tmp_path, wheels, sen
     scenario = orchestration.load(tmp_path / "cube" / "tumble.yaml")
     assert ("PERFECT" in scenario.description) == (sensors == "perfect")
     assert scenario.blocks["plant"].fmu == ("plant" if wheels == "none" else "plant_wheels")
+    assert any(entry.signal == "plant.h_w" for entry in scenario.expect) == (wheels != "none")
 
 
 def test_the_axes_of_a_pyramid_have_the_angle_and_give_equal_torque_about_the_edges():

@@ -93,3 +93,14 @@ def test_disturbances_are_those_of_closed_forms():
         for R in np.eye(3)[[[0, 1, 2], [1, 2, 0], [2, 0, 1]]]:
             tried.append(np.linalg.norm(s.p.surface.moment(R @ flow, density)))
     assert 0.3 * causes["drag"] < max(tried) < causes["drag"]
+
+
+def test_what_is_found_alike_of_several_wheels_is_said_once():
+    source = read(Path("scenarios/flight_pyramid.yaml"))
+    wheels = [2.0, 2.0, 2.0, 1.9]  # N m s, which the rods of 0.6 N m s empty in more than half an orbit
+    source = source.with_start("wheel_momentum_max", wheels).with_start("plant.dipole_max", 5.0)
+    found = [f.what for f in findings(orchestration.load(source)) if "momentum of" in f.what]
+    assert [text.split(" away")[0] for text in found] == [
+        "the rods take the momentum of each of wheels 1, 2, 3",
+        "the rods take the momentum of wheel 4",
+    ]

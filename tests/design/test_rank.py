@@ -103,3 +103,12 @@ def test_a_law_that_fails_is_counted_and_told(tmp_path):
     result = orchestrate("rank", law, "--alone", "--scenario", SCENARIO, "--runs", 1, "--duration", "4 s")
     assert f"{Path(law)}:2: AssertionError" in result.stderr
     assert "0 of 1" in result.stdout
+
+
+def test_laws_that_give_a_torque_are_left_out_where_actuators_are_commanded(tmp_path):
+    law = tmp_path / "rest.py"
+    law.write_text("def step(i, p, t, h):\n    return {'dipole_cmd': [0.0] * 3, 'wheel_torque_cmd': [0.0] * 4}\n")
+    result = orchestrate("rank", law, "--scenario", "scenarios/flight_pyramid.yaml", "--runs", 1, "--duration", "4 s")
+    assert result.exit_code == 0, result.stderr
+    assert "bdot, pd, lqr, paper are left out" in result.stderr
+    assert [name in result.stdout for name in ("rest", rank.OWN, "bdot")] == [True, True, False]
