@@ -14,6 +14,7 @@ from ..quantities import ONE, shown, with_unit
 from ..results import view as seen
 from ..results.curves import axis
 from ..results.html import Page, each, header, joined, listed, piece, section, table, verdict
+from ..results.inputs import inputs
 from ..results.plots import CURVES, ROWS, Curve, plot
 from ..results.report import figure, fmu_table
 from . import verdict as words
@@ -51,6 +52,7 @@ def page(comparison: Comparison) -> str:
             [(kind, words.verdict(comparison))],
             failure,
         ),
+        section("Inputs", inputs(ours.scenario)),
         *sections(comparison, made),
     ]
     return made.html(title, parts)

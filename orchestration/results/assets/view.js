@@ -187,9 +187,9 @@
       if (!at) continue;
       const p = points[i];
       const across = (p[0] * wide) / 2, down = (-p[1] * high) / 2, off = Math.hypot(across, down) || 1; // from the middle, outwards
-      const x = Math.min(wide - half, Math.max(half, wide / 2 + across * (1 + half / off))), y = high / 2 + down * (1 + 5 / off);
+      const x = Math.min(wide - half, Math.max(half, wide / 2 + across * (1 + half / off))), y = Math.min(high - 9, Math.max(9, high / 2 + down * (1 + 5 / off)));
       const places = [...ASIDE, ...BESIDE].map(([a, b]) => ({ it, x: x + 2 * a * half, y: y + b, half }))
-        .filter((p) => p.x >= half - 1e-6 && p.x <= wide - half + 1e-6);
+        .filter((p) => p.x >= half - 1e-6 && p.x <= wide - half + 1e-6 && p.y >= 9 && p.y <= high - 9);
       const free = (p) => !taken.some((o) => Math.abs(o.x - p.x) < o.half + half && Math.abs(o.y - p.y) < 12);
       const clear = (p) => !shafts.some((o) => o.it !== it && Math.abs(o.x - p.x) < half + 4 && Math.abs(o.y - p.y) < 9);
       const place = places.find((p) => free(p) && clear(p)) ?? places.find(free);

@@ -167,21 +167,23 @@ def test_no_frame_shows_labels_without_the_view_when_the_size_changes(chromium, 
     assert page.evaluate("window.blank") == [False, False]
 
 
-def test_labels_of_the_view_do_not_stand_on_each_other(chromium, motion):
+def test_labels_of_the_view_stand_on_no_other_and_not_beyond_its_edge(chromium, motion):
     """All its vectors are shown at once, at an instant at which some of them point the same way."""
     chromium.open(motion, 390)
     page = chromium.page
     page.evaluate("document.querySelectorAll('[data-part=vectors] input').forEach(box => box.checked || box.click())")
     page.locator("[data-part=slider]").fill("0")
     chromium.settle()
-    boxes = page.evaluate(
-        """[...document.querySelectorAll('.tag:not([hidden])')].map(tag => {
-          const { left, right, top, bottom } = tag.getBoundingClientRect();
+    stage, *boxes = page.evaluate(
+        """[document.querySelector('[data-part=stage]'), ...document.querySelectorAll('.tag:not([hidden])')].map(it => {
+          const { left, right, top, bottom } = it.getBoundingClientRect();
           return [left, right, top, bottom];
         })"""
     )
     assert len(boxes) > 5
     for i, (left, right, top, bottom) in enumerate(boxes):
+        assert stage[0] - 2 <= left <= right <= stage[1] + 2
+        assert stage[2] <= top <= bottom <= stage[3]
         for other in boxes[:i]:
             assert right <= other[0] or other[1] <= left or bottom <= other[2] + 1 or other[3] <= top + 1
 
