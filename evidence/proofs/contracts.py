@@ -84,4 +84,11 @@ CONTRACTS = (
         "outputs pass only where each number is finite",
         frozenset({"typed_run_finite_loop_invariant_2_preserved"}),
     ),
+    Contract(
+        "guard, planned",
+        "controller/planned/native/decide/guard.c",
+        ("is_command", "bring_within"),
+        "controller_planned",
+        "a command passes only where it is finite and within its limit",
+    ),
 )

@@ -34,7 +34,8 @@ def result_of(subject: Subject) -> Result:
 
 
 def _digest(subject: Subject) -> str:
-    digest = hashlib.sha256(f"{subject} {FLAGS}".replace(str(ROOT), "").encode())
+    how = f"{subject.span} {subject.definitions()} {subject.words()} {FLAGS}"
+    digest = hashlib.sha256(how.encode())
     if subject.span:
         interface = Block.named(subject.name).interface
         digest.update((harness(interface, subject.span) + "".join(ports_header(interface).values())).encode())

@@ -63,11 +63,15 @@ class Subject:
             program = folder / "harness.c"
             program.write_text(harness(block.interface, self.span), "utf-8")
         sources, headers = ([root / p.relative_to(PACKAGES) for p in paths] for paths in (sources, headers))
-        limits = self.span == "limits"
-        define = ("PROOF_WITHIN_LIMITS",) if limits else ("PROOF_DATE_APART",) if self.span else ()
-        return analyse(program, sources, headers, self._options(), define, HERE / "prelude.h", limits)
+        define, prelude = self.definitions(), HERE / "prelude.h"
+        return analyse(program, sources, headers, self.words(), define, prelude, self.span == "limits")
 
-    def _options(self) -> list[str]:
+    def definitions(self) -> tuple[str, ...]:
+        """Macros of the C that the analysis sees."""
+        return {"limits": ("PROOF_WITHIN_LIMITS",), "any": ("PROOF_DATE_APART",), None: ()}[self.span]
+
+    def words(self) -> list[str]:
+        """Options of Eva for this subject."""
         words = ["-eva-precision", str(self.precision), *self.options, "-warn-special-float"]
         words += ["non-finite", "-eva-use-spec", ",".join(SPECIFIED)] if self.span == "limits" else ["none"]
         if self.span is None:
@@ -89,7 +93,7 @@ SUBJECTS = (
     Subject("allocator", "any", 6, quick=True),
     Subject("allocator", "limits", quick=True),
     Subject("allocator_bounded", "any", 6),
-    Subject("allocator_bounded_wheels", "any", 6),
     Subject("controller", "any", 6),
     Subject("controller", "limits"),
+    Subject("supervisor", "any", 3),
 )

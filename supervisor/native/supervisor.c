@@ -25,7 +25,7 @@ bool supervisor_check(const SupervisorParameters *p, Fault *f)
                                   {"attitude_time", p->attitude_time},
                                   {"ahead_horizon", p->ahead_horizon}};
     const Named finite = {"target_yaw_angle", p->target_yaw_angle};
-    Epoch epoch;
+    Epoch epoch = {0, 0, 0, 0};
     if (!all_positive(positive, COUNT(positive), f) || !all_not_negative(not_negative, COUNT(not_negative), f) ||
         !all_finite(&finite, 1, f)) {
         return false;

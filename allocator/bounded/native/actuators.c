@@ -1,5 +1,7 @@
 #include "actuators.h"
 
+#include <string.h>
+
 /* By how much the wheels' momentum h has to move along the null space of their axes until each is `away` from rest and
  * from its limit: the least such motion; where none suffices, the one that leaves the worst wheel least to wish. */
 static double null_space_motion(const AllocatorBoundedLaw *law, const double h[ALLOCATOR_BOUNDED_WHEELS], double away)
@@ -58,7 +60,9 @@ void allocator_bounded_actuators(const AllocatorBoundedLaw *law, const Allocator
                                  const AllocatorBoundedInputs *u, const Vector rods[3], bool with_rods_ff, Actuators *a)
 {
     const AllocatorBoundedParameters *p = &law->p;
-    *a = (Actuators){.rods = RODS(p), .n = RODS(p) + WHEELS(p)};
+    (void)memset(a, 0, sizeof *a);
+    a->rods = RODS(p);
+    a->n = RODS(p) + WHEELS(p);
     for (int i = 0; i < a->rods; ++i) {
         a->limit[i] = p->dipole_max * p->rod_limits[i];
         a->torque[i] = scale(a->limit[i], rods[i]);

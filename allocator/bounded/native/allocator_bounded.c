@@ -1,6 +1,8 @@
 /* Tests: tests/native/test_flavours.py. */
 #include "allocator_bounded.h"
 
+#include <string.h>
+
 #include "actuators.h"
 #include "rotation.h"
 
@@ -18,7 +20,9 @@ typedef struct {
 static Commands allocate(const Actuators *a, Vector r)
 {
     Commands given = {.fraction = FRACTION_CAP};
-    Box box = {.n = a->n};
+    Box box;
+    (void)memset(&box, 0, sizeof box);
+    box.n = a->n;
     for (int i = 0; i < a->n; ++i) {
         const double square = a->weight[i] * a->weight[i];
         box.low[i] = a->low[i];
@@ -28,7 +32,8 @@ static Commands allocate(const Actuators *a, Vector r)
             box.H[i][k] = dot(a->torque[i], a->torque[k]) + (i == k ? square : 0.0);
         }
     }
-    double x[BOX_N] = {0.0}, unbounded[BOX_N];
+    double x[BOX_N], unbounded[BOX_N];
+    (void)memset(x, 0, sizeof x);
     if (!allocator_bounded_box_minimum(&box, x, unbounded)) {
         return given;
     }

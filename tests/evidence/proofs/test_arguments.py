@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import calendar
 import math
 from fractions import Fraction
 
@@ -31,3 +32,13 @@ def test_the_worst_square_among_the_smallest_numbers_is_rounded_by_half():
     x = math.sqrt(1.5) * 2.0**-537 * (1 - 1e-9)
     assert x * x == LEAST
     assert float(Fraction(x) ** 2 / Fraction(LEAST)) < 1.5
+
+
+def days_before(year):
+    """As epoch_days_before of epoch.h has it."""
+    return 365 * (year - 1) + (year - 1) // 4 - (year - 1) // 100 + (year - 1) // 400
+
+
+def test_a_year_of_any_date_has_365_days_or_366_as_the_calendar_has_it():
+    for year in range(1, 10000):
+        assert days_before(year + 1) - days_before(year) == 365 + calendar.isleap(year)
