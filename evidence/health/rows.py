@@ -97,8 +97,13 @@ def _set(text: str, at: float = 0.0, until: float | None = None) -> Data:
     return {"at": at, "set": f"plant.{text}"} | ({} if until is None else {"until": until})
 
 
-def _sensor(kind: str, signal: str, **more: Any) -> Data:
-    return {"at": 0.0, kind: f"sensors.{signal}_measured", **more}
+def _sensor(kind: str, signal: str, element: int | None = None, **more: Any) -> Data:
+    return {"at": 0.0, kind: f"sensors.{signal}_measured" + (f"[{element}]" if element else ""), **more}
+
+
+def _held(command: str) -> Data:
+    """As by a computer that stops."""
+    return {"at": 0.0, "until": 120.0, "freeze": f"allocator.{command}"}
 
 
 SETS = {"estimated": "estimated", "estimated_star_tracker": "star_tracker", "cubesat": "cubesat"}
@@ -106,6 +111,8 @@ SETS = {"estimated": "estimated", "estimated_star_tracker": "star_tracker", "cub
 _LARGE, _SMALL = "[2.887, 2.887, -2.887]", "[0.06, 0, 0]"
 DIPOLE = {"estimated": _LARGE, "estimated_star_tracker": _LARGE, "cubesat": _SMALL}
 """A m2: 20% of rod 1 along its axis."""
+FRICTION = {"estimated": 2e-5, "estimated_star_tracker": 2e-5, "cubesat": 2e-6}
+"""N m by which the wheel's friction grows each 100 s, ten times."""
 ROWS: tuple[Row, ...] = (
     *(Row(which, "nothing", HOLD, ()) for which in SETS),
     *(
@@ -135,6 +142,16 @@ ROWS: tuple[Row, ...] = (
             _both(which, "Sun sensors frozen", "sun_sensors", _sensor("freeze", "sun_B")),
             _both(which, "GNSS frozen for 600 s, but counting", "GNSS", _sensor("freeze", "r_N", until=600.0)),
             _both(which, "wheel stuck", "wheel", _set("wheel_torque_max = 0")),
+            _both(which, "rods 1 and 2 dead", "rod_1", _set("rod_gain[1] = 0"), _set("rod_gain[2] = 0")),
+            _both(
+                which,
+                "wheel friction grows for 1000 s",
+                "wheel",
+                *(_set(f"wheel_coulomb_friction = {(k + 1) * FRICTION[which]:g}", 100.0 * k) for k in range(10)),
+            ),
+            _both(which, "wheel telemetry frozen", "wheel", _sensor("freeze", "h_w")),
+            _both(which, "one axis of the gyro dead", "gyro", _sensor("cut", "omega_B", element=1)),
+            _both(which, "commands held for 120 s", "", *(_held(f"{kind}_cmd") for kind in ("dipole", "wheel_torque"))),
         )
         for row in rows
     ),
