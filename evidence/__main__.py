@@ -75,13 +75,12 @@ def verification() -> None:
 @main.command()
 @_jobs
 @click.option("--case", "cases", multiple=True, type=click.Choice(tuple(margins_cases.CASES)), help="Only this hold.")
-@click.option("--place", "places", multiple=True, type=int, help="Only this start from the node, deg.")
 @click.option("--page", is_flag=True, help="Write page and figure from docs/evidence/margins.json, without flying.")
-@click.option("--missing", is_flag=True, help="Measure only what docs/evidence/margins.json does not hold.")
-def margins(jobs: int, cases: tuple[str, ...], places: tuple[int, ...], page: bool, missing: bool) -> None:
+@click.option("--anew", is_flag=True, help="Fly again what is kept of the same scenarios and FMUs.")
+def margins(jobs: int, cases: tuple[str, ...], page: bool, anew: bool) -> None:
     """Make docs/evidence/margins.md and its figure: margins along the orbit, equilibria, and what loses the hold."""
     if not page:
-        margins_measured.make(jobs, cases or tuple(margins_cases.CASES), places or margins_cases.PLACES, missing)
+        margins_measured.make(jobs, cases, anew)
     say(f"written: {margins_page.write()}")
 
 

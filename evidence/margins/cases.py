@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -20,6 +20,7 @@ from orchestration.margins.inject import Altered, Rig
 from orchestration.margins.measure import measure
 from orchestration.margins.periods import LEAD, follow
 from orchestration.margins.report import Found
+from orchestration.margins.search import Change, Slope, Starts, expectations_are_met, lost, pulse_dies_out
 from orchestration.margins.site import site
 from orchestration.session.open import open_scenario
 from orchestration.session.session import Session
@@ -42,6 +43,8 @@ COMMANDS = ("plant.dipole_cmd", "plant.wheel_torque_cmd")
 TOLD = ("plant.dipole_cmd", "allocator.wheel_torque_cmd")
 """The controller is told of the wheel's pulses: else they move its estimate of friction, which has a limit at 0."""
 STATE = ("plant.R_NB", "plant.omega_B", "plant.h_w")
+GAINS = ("plant.J_B", "controller.K0", "controller.L0", "plant.rod_gain")
+"""Parameters on which the multipliers of the equilibria depend."""
 VB, USUAL, PLANNED = "V.B, paper's law", "usual law, four wheels", "planned, one wheel"
 PLACES = tuple(range(0, 360, 45))
 """deg"""
@@ -134,20 +137,50 @@ def along_orbit(name: str) -> list[dict[str, Any]]:
             for row, begin in zip(rows, np.round(np.arange(len(PLACES)) * long.pieces / len(PLACES)), strict=True):
                 one = long.window(int(begin))
                 row |= {"orbit": one.ratio, "most": one.most, "rest": one.rest, "wrong": one.error}
+        peak = Peak(Node("judge", Element("attitude_error", 0)))
+        orbits.fly(np.zeros((TURN, len(rig.site.channels))), observers=[peak], nodes=[peak.node])
+        rows = [{**row, "flown": math.degrees(peak.largest)} for row in rows]
     return [{**row, "seconds": (time.process_time() - began) / len(rows)} for row in rows]
 
 
-def delayed(values: Mapping[str, Any], delay: float, place: int = 0) -> dict[str, Any]:
+def sensitive(parameter: str) -> list[dict[str, Any]]:
+    """Returns how what is left of a disturbance of the planned hold after an orbit depends on a parameter."""
+    session, rig = opened(CASES[PLANNED], 0)
+    with session:
+        seen = coordinates(session.opened.plan, STATE)
+
+        def log(starts: Starts) -> float:
+            return math.log(follow(rig, seen, TURN, 2, PIECE, starts=starts, pulses=2, sizes=(1e-5,)).decay)
+
+        slope = Slope.of(rig, parameter, log(None), log)
+    return [{"parameter": parameter, "slope": slope.value, "apart": slope.apart}]
+
+
+def searched(name: str, text: str) -> list[dict[str, Any]]:
+    """Returns between which values a change loses a hold: that of V.B by a pulse, a planned one by its expectations
+    over an orbit."""
+    case = CASES[name]
+    if case.followed:
+        case = replace(case, values={**case.values, "duration": 0.5 * TURN})
+    session, rig = opened(case, 0)
+    with session:
+        holds = expectations_are_met(rig) if case.followed else pulse_dies_out(rig, 6000)
+        found = lost(rig, Change.of(text), holds)
+    return [{"case": name, **found.data(), "end": found.change.end}]
+
+
+def delayed(name: str, values: Mapping[str, Any], delay: float) -> list[dict[str, Any]]:
     """Returns what is left of a disturbance of the planned hold after 1010 s with a delay at its actuators, s, and the
     largest attitude error, deg, of this flight."""
-    session, rig = opened(replace(CASES[PLANNED], ports=COMMANDS, values=values), place)
+    session, rig = opened(replace(CASES[PLANNED], ports=COMMANDS, values=values), 0)
     with session:
         plan = session.opened.plan
         altered = Altered(delay=round(delay / plan.clock.step))
         found = follow(rig, coordinates(plan, STATE), FIFTH, 5, PIECE, altered, pulses=2, sizes=(1e-5,), moved=3)
         peak = Peak(Node("judge", Element("attitude_error", 0)))
         rig.fly(np.zeros((LEAD * PIECE + 5 * FIFTH, len(rig.site.channels))), altered, [peak], [peak.node])
-    return {"delay": delay, "left": found.left, "error": found.error, "flown": math.degrees(peak.largest)}
+    flown = math.degrees(peak.largest)
+    return [{"name": name, "delay": delay, "left": found.left, "error": found.error, "flown": flown}]
 
 
 class Peak:
@@ -160,14 +193,29 @@ class Peak:
         self.largest = max(self.largest, float(np.max(values[self.node])))
 
 
-def equilibrium(turn: tuple[int, ...], place: int = 0) -> dict[str, Any]:
-    """Returns the rates, 1/s, of the multipliers of the paper's law where R_LVLH^T R = diag(turn), without drag."""
+def equilibrium(turn: tuple[int, ...]) -> list[dict[str, Any]]:
+    """Returns the rates, 1/s, of the multipliers of the paper's law where R_LVLH^T R = diag(turn), without drag, and
+    how the largest depends on parameters."""
     values: dict[str, Any] = {"plant.Q0": np.diag(turn).tolist(), "plant.omega_B0": [0.0, -RATE * turn[1], 0.0]}
-    values |= {"plant.drag": False, "plant.argument_of_latitude": math.radians(place)}
+    values |= {"plant.drag": False, "plant.argument_of_latitude": 0.0}
     with Session(open_scenario(load(ROOT / "scenarios" / "paper_no_singularity.yaml", values))) as session:
         plan = session.opened.plan
         rig = Rig(session, site(plan, COMMANDS), 0)
         size = np.array([6e-5, 6e-5, 6e-5, 1e-7] if turn == (-1, -1, 1) else [2e-4, 2e-4, 2e-4, 1e-8])
-        found = orbit(rig, coordinates(plan, STATE), round(10.0 / rig.period), size, 100, more=12)
-    rates = [log.real / found.period for log in found.logs]
-    return {"turn": list(turn), "place": place, "rates": rates, "rest": found.rest, "seconds": found.period}
+
+        def rates(starts: Starts = None) -> tuple[list[float], float, float]:
+            found = orbit(rig, coordinates(plan, STATE), round(10.0 / rig.period), size, 100, starts, more=12)
+            return [log.real / found.period for log in found.logs], found.rest, found.period
+
+        nominal, rest, period = rates()
+        slopes = {
+            name: Slope.of(rig, name, largest(nominal), lambda starts: largest(rates(starts)[0])) for name in GAINS
+        }
+    parts = {name: [slope.value, slope.apart] for name, slope in slopes.items()}
+    return [{"turn": list(turn), "rates": nominal, "rest": rest, "seconds": period, "slopes": parts}]
+
+
+def largest(rates: Iterable[float]) -> float:
+    """Returns the largest rate but for the one nearest to zero, that of the wheel's momentum, which the law leaves as
+    it is."""
+    return max(sorted(rates, key=abs)[1:])

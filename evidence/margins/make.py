@@ -1,20 +1,24 @@
-"""Measures margins along the orbit, the equilibria of the paper's law and the changes that lose V.B, for
-docs/evidence/margins.md.
+"""Measures all that docs/evidence/margins.md shows: margins along the orbit, equilibria, sensitivities, delays, and the
+changes that lose a hold. What docs/evidence/margins.json has of the same inputs is not flown again.
 
 Tests: tests/evidence/margins/test_make.py.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
 from typing import Any
 
-from orchestration.margins.search import Change, lost, pulse_dies_out
+from orchestration import load
+from orchestration.session.open import open_scenario
 
 from ..paper import ROOT
-from .cases import CASES, VB, along_orbit, at_place, delayed, equilibrium, opened
+from .cases import CASES, PLACES, PLANNED, VB, along_orbit, at_place, delayed, equilibrium, searched, sensitive
 
 KEPT = ROOT / "docs" / "evidence" / "margins.json"
 WATCH, IDENTIFY = "controller.find_failures", "controller.identify"
@@ -25,50 +29,77 @@ DELAYS = {
 }
 """Delays at the actuators of the planned hold, s, as it is and with parts of its controller off."""
 TURNS = (1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)
-CHANGES = ("delay=0..20", "gain=1..0.02", "plant.J_B=1..30", "plant.rod_gain=1..0.05")
+CHANGES = {
+    VB: ("delay=0..20", "gain=1..400", "gain=1..0.02", "plant.J_B=1..30", "plant.rod_gain=1..0.05"),
+    PLANNED: ("sensors.attitude_noise=1..300", "plant.J_B=1..4", "plant.rod_gain=1..0.1"),
+}
+PARAMETERS = ("plant.rod_gain", "plant.J_B")
+"""Those of the planned hold on which its decay per orbit depends."""
 
 
-def searched() -> list[dict[str, Any]]:
-    """Returns what loses the hold of V.B."""
-    session, rig = opened(CASES[VB], 0)
-    with session:
-        made = [lost(rig, Change.of(text), pulse_dies_out(rig, 6000)) for text in CHANGES]
-    return [one.data() for one in made]
+@dataclass(frozen=True)
+class Job:
+    """What is measured at once: its rows stand under `kind`."""
+
+    kind: str
+    hold: str
+    measure: Callable[..., list[dict[str, Any]]]
+    arguments: tuple[Any, ...]
+
+    @cached_property
+    def name(self) -> str:
+        """Its name in the file."""
+        return " ".join(map(str, (self.kind, *self.arguments)))
+
+    @cached_property
+    def inputs(self) -> str:
+        """The hash of scenario, FMUs, case and arguments."""
+        case = CASES[self.hold]
+        return _hash([_scenario(case.scenario), repr(case), repr(self.arguments)])
 
 
-def make(jobs: int, cases: Sequence[str], places: Sequence[int], missing: bool = False) -> None:
-    """Measures these cases and keeps them beside those that are kept already, each as soon as it is measured.
+def _hash(data: Any) -> str:
+    return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
-    With `missing` only what is not kept yet, so that a run that was stopped can go on."""
-    kept = json.loads(KEPT.read_text("utf-8")) if KEPT.exists() else {}
-    rows = {(row["case"], row["place"]): row for row in kept.get("places", []) if row["case"] in CASES}
-    if not missing:
-        rows = {at: row for at, row in rows.items() if at[0] not in cases}
-        kept = {"places": []} if set(cases) == set(CASES) else kept
-    with ProcessPoolExecutor(jobs) as pool:
-        waits: dict[Any, Any] = {}
-        for name in cases:
-            wanted = [place for place in places if (name, place) not in rows]
-            if CASES[name].followed:
-                waits |= {pool.submit(along_orbit, name): None} if wanted else {}
-            else:
-                waits |= {pool.submit(at_place, name, place): None for place in wanted}
-        if set(cases) == set(CASES):
-            done_ = {(row["name"], row["delay"]) for row in kept.setdefault("delays", [])}
-            for name, (values, delays) in DELAYS.items():
-                for delay in delays:
-                    if (name, delay) not in done_:
-                        waits[pool.submit(delayed, values, delay)] = "delays", name
-            turns = [tuple(one["turn"]) for one in kept.setdefault("equilibria", [])]
-            waits |= {pool.submit(equilibrium, turn): ("equilibria", "") for turn in TURNS if turn not in turns}
-            waits |= {pool.submit(searched): ("changes", "")} if "changes" not in kept else {}
-        for done in as_completed(waits):
-            key, result = waits[done], done.result()
-            if key is None:
-                rows |= {(row["case"], row["place"]): row for row in result}
-                kept["places"] = [rows[at] for at in sorted(rows)]
-            elif key[0] == "changes":
-                kept["changes"] = result
-            else:
-                kept[key[0]].append({"name": key[1], **result} if key[1] else result)
+
+@lru_cache
+def _scenario(name: str) -> str:
+    opened = open_scenario(load(ROOT / "scenarios" / f"{name}.yaml"))
+    stated = opened.plan.scenario.model_dump(mode="json", exclude={"description", "figures", "live"})
+    return _hash([stated, {name: fmu.sha256 for name, fmu in opened.fmus.items()}])
+
+
+def jobs() -> list[Job]:
+    """Returns all of them."""
+    made = [
+        Job("places", name, at_place, (name, place))
+        for name, case in CASES.items()
+        if not case.followed
+        for place in PLACES
+    ]
+    made += [
+        Job("delays", PLANNED, delayed, (name, values, delay))
+        for name, (values, delays) in DELAYS.items()
+        for delay in delays
+    ]
+    made += [Job("equilibria", VB, equilibrium, (turn,)) for turn in TURNS]
+    made += [Job("changes", hold, searched, (hold, text)) for hold, texts in CHANGES.items() for text in texts]
+    made += [Job("places", name, along_orbit, (name,)) for name, case in CASES.items() if case.followed]
+    return [*made, *(Job("sensitivity", PLANNED, sensitive, (name,)) for name in PARAMETERS)]
+
+
+def make(processes: int, cases: Sequence[str] = (), anew: bool = False) -> None:
+    """Measures what is not kept of the same inputs, of these holds or all, each kept as soon as it is measured."""
+    kept: dict[str, list[dict[str, Any]]] = json.loads(KEPT.read_text("utf-8")) if KEPT.exists() else {}
+    known = {job.name: number for number, job in enumerate(jobs())}
+    done = {(row.get("job"), row.get("inputs")) for rows in kept.values() for row in rows}
+    wanted = [job for job in jobs() if not cases or job.hold in cases]
+    wanted = [job for job in wanted if anew or (job.name, job.inputs) not in done]
+    with ProcessPoolExecutor(processes) as pool:
+        waits = {pool.submit(job.measure, *job.arguments): job for job in wanted}
+        for wait in as_completed(waits):
+            job = waits[wait]
+            rows = [row for row in kept.get(job.kind, []) if row.get("job") in known and row["job"] != job.name]
+            rows += [{"job": job.name, "inputs": job.inputs, **row} for row in wait.result()]
+            kept[job.kind] = sorted(rows, key=lambda row: known[row["job"]])
             KEPT.write_text(json.dumps(kept, indent=1) + "\n", "utf-8")

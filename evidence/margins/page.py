@@ -12,7 +12,7 @@ from typing import Any
 from .. import plots
 from ..markdown import render
 from ..paper import ORBIT, ROOT
-from .cases import CASES, PLACES, USUAL, VB
+from .cases import CASES, GAINS, PLACES, USUAL, VB, largest
 from .make import KEPT
 
 PAGE = ROOT / "docs" / "evidence" / "margins.md"
@@ -49,10 +49,22 @@ def fields(kept: dict[str, Any]) -> dict[str, Any]:
         "all": len(PLACES),
         "vb": [row for row in of[VB] if "disk" in row],
         "usual": [row for row in of[USUAL] if "disk" in row],
-        "missing": [
-            f"{name} ({len(found)} of {len(PLACES)})" for name, found in of.items() if len(found) < len(PLACES)
+        "loss": next(one for one in kept["changes"] if (one["case"], one["name"]) == (VB, "delay")),
+        "changes": [_change(one, of[VB]) for one in kept["changes"]],
+        "flown": [
+            [name, f"{max(row['flown'] for row in found):.2g}°"]
+            for name, found in followed.items()
+            if "flown" in found[0]
         ],
-        "changes": {one["name"]: one for one in kept["changes"]},
+        "sensitivity": [
+            [one["parameter"], f"{one['slope']:+.2g}", f"{one['apart']:.1g}"] for one in kept.get("sensitivity", [])
+        ],
+        "older": list(
+            dict.fromkeys(
+                row.get("case", f"delay, {row.get('name')}") for row in [*rows, *kept["delays"]] if "inputs" not in row
+            )
+        ),
+        "slopes": [_slopes(one) for one in kept["equilibria"] if "slopes" in one],
         "delays": [_delay(row) for row in sorted(kept["delays"], key=lambda row: (row["name"], row["delay"]))],
         "losses": losses(kept["delays"]),
     }
@@ -129,11 +141,26 @@ def _reason(row: dict[str, Any]) -> list[str]:
     return [row["case"], f"{row['place']}°", row["refused"].partition(": no p")[0].partition(" (its answer")[0]]
 
 
+def _change(one: dict[str, Any], rows: list[dict[str, Any]]) -> list[str]:
+    """A change that loses a hold, beside what the margins of V.B say of it."""
+    said = "none"
+    if one["case"] == VB:
+        margin = {"delay": min(row["delay"] for row in rows), "gain": 10 ** (min(row["up"] for row in rows) / 20)}
+        known = one["name"] in margin and one["end"] > 1.0
+        said = f"{margin[one['name']]:.4g}" if known else "any" if one["name"] == "gain" else "none"
+    lost = f"not lost to {one['end']:g}" if one["lost"] is None else f"{one['lost']:.4g}"
+    return [one["case"], one["name"], f"{one['holds']:.4g}", lost, said]
+
+
+def _slopes(one: dict[str, Any]) -> list[str]:
+    """How the largest rate depends on parameters, 1/s for a relative change of one."""
+    return [ABOUT[tuple(one["turn"])], *(f"{one['slopes'][name][0]:+.4f}" for name in GAINS)]
+
+
 def _equilibrium(one: dict[str, Any]) -> list[str]:
-    # The rate nearest to zero is that of the wheel's momentum, which the law leaves as it is.
     rates = sorted(one["rates"], key=abs)[1:]
     unstable = [rate for rate in rates if rate > 0.0]
-    worst = max(rates)
+    worst = largest(one["rates"])
     size = worst * ORBIT / math.log(10)
     return [ABOUT[tuple(one["turn"])], str(len(unstable)), f"{worst:+.5f} 1/s", f"10^{size:+.0f}", f"{one['rest']:.1g}"]
 

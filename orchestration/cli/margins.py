@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -21,7 +21,7 @@ from ..margins.linear import Linear, realized
 from ..margins.measure import LONGEST, measure
 from ..margins.periods import Followed, follow
 from ..margins.report import HEADER, Found
-from ..margins.search import Change, Starts, expectations_are_met, lost, pulse_dies_out
+from ..margins.search import Change, Slope, Starts, expectations_are_met, lost, pulse_dies_out
 from ..margins.site import site
 from ..quantities import SECOND, QuantityError, value_in
 from ..results.place import check_writable, refuse_links
@@ -81,7 +81,7 @@ from .status import EXPECTATION_FAILED
     "sensitive",
     multiple=True,
     metavar="BLOCK.PARAMETER",
-    help="How the largest multiplier depends on this; for --orbit.",
+    help="How the decay over a period depends on this; for --orbit.",
 )
 @out_folder("Folder for table, plot and data; default: results/NAME-margins.")
 @click.option("--json", "json_", is_flag=True, help="Print the result as JSON.")
@@ -108,9 +108,9 @@ def command(
 
     Or its Floquet multipliers (--orbit), or the linear model of a block (--model).
 
-    Small sines are added to the signal at BLOCK.PORT, an input (for it alone) or an output (for all that it feeds), and
-    what comes back is compared with a flight without them. Gives gain, phase, delay and disk margins of each element
-    with the others closed, and the disk margin of all at once. --at may be repeated.
+    Small pulses are added to the signal at BLOCK.PORT, an input (for it alone) or an output (for all that it feeds),
+    and what comes back is compared with a flight without them. Gives gain, phase, delay and disk margins of each
+    element with the others closed, and the disk margin of all at once. --at may be repeated.
 
     Exit status: 0 measured, 1 the loop has no margins there (with the reason), 2 wrong input, 3 an FMU failed.
     """
@@ -134,9 +134,7 @@ def command(
             changes_ = [Change.of(text) for text in changed]
             if periods is None:
                 ctx.exit(_multipliers(rig, period, pieces, seen, sensitive, changes_, json_))
-            if sensitive:
-                raise InputError(Problem("--periods gives no sensitivity", place=Place("--sensitivity")))
-            ctx.exit(_followed(rig, period, periods, pieces, seen, changes_, json_))
+            ctx.exit(_followed(rig, period, periods, pieces, seen, sensitive, changes_, json_))
         longest = seconds("--window", window, LONGEST * rig.period)
         changes_ = [Change.of(text) for text in changed]
         found = Found.of(loaded.name, rig.first * plan.clock.step, measure(rig, max(int(longest / rig.period), 4)))
@@ -211,7 +209,14 @@ def _period(rig: Rig, period: float, states: Sequence[str]) -> tuple[int, Coordi
 
 
 def _followed(
-    rig: Rig, period: int, periods: int, piece: int, seen: Coordinates, changes_: Sequence[Change], json_: bool
+    rig: Rig,
+    period: int,
+    periods: int,
+    piece: int,
+    seen: Coordinates,
+    names: Sequence[str],
+    changes_: Sequence[Change],
+    json_: bool,
 ) -> int:
     """Prints what is left of disturbances from period to period; the status is 1 where the loop is not linear."""
 
@@ -222,7 +227,12 @@ def _followed(
         found = flown(altered, starts)
         return not found.refused and found.left < 1.0
 
+    def log(starts: Starts) -> float:
+        changed = follow(rig, seen, period, periods, piece, starts=starts, sizes=(found.size,))
+        return math.log(changed.decay) if changed.repeats == found.repeats else math.nan
+
     found = flown(Altered(), None)
+    slopes = {name: Slope.of(rig, name, math.log(found.decay), log) for name in names if not found.refused}
     searched = [lost(rig, one, holds) for one in changes_ if not found.refused]
     if json_:
         windows = [
@@ -230,15 +240,23 @@ def _followed(
             for one in found.windows
         ]
         said = {"period": period * rig.period, "windows": windows, "refused": found.refused or None}
-        say_json({**said, "searched": [one.data() for one in searched]})
+        say_json({**said, **_slopes(slopes), "searched": [one.data() for one in searched]})
         return EXPECTATION_FAILED if found.refused else 0
     if found.refused:
         complain(f"no number: {found.refused}")
         return EXPECTATION_FAILED
     say(f"Answers to pulses over periods of {period * rig.period:g} s, of {', '.join(found.labels)}:", bold=True)
-    for line in [*found.lines(), *map(str, searched)]:
+    what = "the largest multiplier" if found.repeats else "what is left after the last period"
+    for line in [*found.lines(), *(slope.line(name, what) for name, slope in slopes.items()), *map(str, searched)]:
         say(line)
     return 0
+
+
+def _slopes(slopes: Mapping[str, Slope]) -> dict[str, dict[str, float | None]]:
+    """Returns sensitivities for JSON, and by how much they differ upwards and downwards."""
+    parts = {"sensitivity": "value", "sensitivity_error": "apart"}
+    of = {key: {name: getattr(slope, part) for name, slope in slopes.items()} for key, part in parts.items()}
+    return {key: {name: None if math.isnan(v) else v for name, v in values.items()} for key, values in of.items()}
 
 
 def _multipliers(
@@ -257,14 +275,14 @@ def _multipliers(
     searched = [lost(rig, one, repeated.decays) for one in changes_ if found.known]
     if json_:
         logs = [[log.real, log.imag] for log in found.logs]
-        said = {"period": found.period, "logs": logs, "rest": found.rest, "spread": found.spread, "sensitivity": slopes}
-        say_json({**said, "searched": [one.data() for one in searched]})
+        said = {"period": found.period, "logs": logs, "rest": found.rest, "spread": found.spread}
+        say_json({**said, **_slopes(slopes), "searched": [one.data() for one in searched]})
     else:
         say(f"Floquet multipliers over {found.period:g} s, of {', '.join(found.labels)}:", bold=True)
         for line in found.lines():
             say(line)
         for name, slope in slopes.items():
-            say(f"{name} + 1 %: the largest multiplier times {math.exp(0.01 * slope):.4g}")
+            say(slope.line(name, "the largest multiplier"))
         for one in searched:
             say(str(one))
     return 0 if found.known else EXPECTATION_FAILED

@@ -27,7 +27,7 @@ from ..session.plan import Plan
 from ..system.wiring import Node
 from .analysis import Complex
 from .inject import Altered, Rig
-from .search import Starts, scaled
+from .search import Slope, Starts
 
 SEGMENT = 200
 """Samples from one instant to the next, about."""
@@ -49,8 +49,6 @@ SPREAD = 0.1
 """Difference of logarithms, with one more instant, above which the multipliers are no result."""
 _APPEARS = 1e-5
 """Direction of the coordinates that counts beside the largest, where they hold several instants."""
-_CHANGE = 0.01
-"""Relative change of a parameter for the sensitivity."""
 _APART = 1e-6
 """Turn of a subspace over a period beneath which it has settled."""
 
@@ -293,11 +291,10 @@ class Repeated:
         rig, seen, samples, size, segment = self.rig, self.seen, self.samples, self.size, self.segment
         return orbit(rig, seen, samples, size, segment, starts, altered=altered, depth=self.depth)
 
-    def sensitivity(self, name: str) -> float:
-        """Returns by how much the logarithm of the largest multiplier changes for a parameter's relative change of
-        one."""
-        starts = {**self.rig.session.opened.plan.starts, **scaled(self.rig, name, 1.0 + _CHANGE)}
-        return float((self.again(Altered(), starts).logs[0].real - self.nominal.logs[0].real) / _CHANGE)
+    def sensitivity(self, name: str) -> Slope:
+        """Returns that of the logarithm of the largest multiplier."""
+        log = float(self.nominal.logs[0].real)
+        return Slope.of(self.rig, name, log, lambda starts: float(self.again(Altered(), starts).logs[0].real))
 
     def decays(self, altered: Altered, starts: Starts) -> bool:
         """Whether the largest multiplier is below 1, or twice the one without change where that is more."""

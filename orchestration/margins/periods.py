@@ -14,8 +14,10 @@ Tests: tests/orchestration/margins/test_periods.py.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -71,10 +73,24 @@ class Followed:
         size = max(float(np.hypot(np.linalg.norm(then), np.linalg.norm(now))), 1e-300)
         return Window(then, now, float(np.linalg.norm(wrong)) / size)
 
-    @property
+    @cached_property
     def windows(self) -> list[Window]:
         """Each period with the next."""
         return [self.window(k * self.pieces) for k in range(self.answers.shape[1] // self.pieces - 1)]
+
+    @property
+    def decay(self) -> float:
+        """What is left of a disturbance after the last period: the largest multiplier where the loop repeats, else the
+        ratio. NaN where there is no number."""
+        if self.refused:
+            return math.nan
+        last = self.windows[-1]
+        return float(abs(last.multipliers[0])) if self.repeats else last.ratio
+
+    @property
+    def repeats(self) -> bool:
+        """Whether a linear map takes the last period but one to the last."""
+        return self.windows[-1].rest <= UNSEEN
 
     @property
     def refused(self) -> str:
@@ -99,7 +115,7 @@ class Followed:
             for k, one in enumerate(self.windows)
         ]
         last = self.windows[-1]
-        if last.rest > UNSEEN:
+        if not self.repeats:
             return [*said, f"no multipliers: {100 * last.rest:.2g} % of a period does not follow from the one before"]
         return [*said, "|multipliers|: " + ", ".join(f"{abs(value):.4g}" for value in last.multipliers)]
 
@@ -131,13 +147,14 @@ class Window:
     @property
     def multipliers(self) -> Complex:
         """The eigenvalues of the map from period to period, the largest first. No result where `rest` is large."""
-        return self._map()[0]
+        return self._map[0]
 
     @property
     def rest(self) -> float:
         """What of the second period the map leaves, beside its size: small where the loop repeats."""
-        return self._map()[1]
+        return self._map[1]
 
+    @cached_property
     def _map(self) -> tuple[Complex, float]:
         U, s, V = np.linalg.svd(self.then.T, full_matrices=False)
         rank = max(int((s > max(10.0 * self.error, 1e-9) * s[0]).sum()), 1)

@@ -24,8 +24,14 @@ from .inject import Altered, Rig
 
 CLOSE = 0.02
 """Where the bisection ends: the two ends beside their mean."""
+CHANGE = 0.01
+"""Relative change of a parameter for a sensitivity."""
 _PULSE = 1e-3
 """Beside the channel's largest value."""
+_UNLIKE = 0.5
+"""Difference of answers to pulses of two sizes, beside the answer, with which the loop counts as lost."""
+_FAR = 1e3
+"""Signal without a pulse, beside its largest before the change, with which the loop counts as lost."""
 Starts = Mapping[str, Sequence[Start]] | None
 """Start values where parameters are changed; None for those of the scenario."""
 Holds = Callable[[Altered, Starts], bool]
@@ -103,20 +109,26 @@ def lost(rig: Rig, change: Change, holds: Holds) -> Lost:
 
 
 def pulse_dies_out(rig: Rig, samples: int) -> Holds:
-    """Returns whether a pulse at the site is answered by less at the end of the window than at its beginning."""
+    """Returns whether a pulse at the site is answered by less at the end of the window than at its beginning, and one
+    of half its size with the other sign in proportion. A loop that is lost at once shows no answers but a tumble, in
+    which the signal is far larger than before."""
 
     def holds(altered: Altered, starts: Starts) -> bool:
         still = np.zeros((samples, len(rig.site.channels)))
         pulse = still.copy()
         pulse[0] = _PULSE * rig.scales
         try:
-            answer = np.abs(rig.fly(pulse, altered, starts=starts) - rig.fly(still, altered, starts=starts)).max(axis=1)
+            base, *moved = (rig.fly(part * pulse, altered, starts=starts) for part in (0.0, 1.0, -0.5))
         except BlockError as error:
             if error.time is None:
                 raise  # a value that the FMU refuses says nothing of the loop
             return False
-        first, *_, last = (float(np.abs(part).mean()) for part in np.array_split(answer, 4))
-        return last < first
+        if np.abs(base).max() > _FAR * rig.scales.max():
+            return False
+        whole, half = (came - base for came in moved)
+        first, *_, last = (float(part.mean()) for part in np.array_split(np.abs(whole).max(axis=1), 4))
+        apart = float(np.abs(whole + 2.0 * half).max(axis=1).mean())
+        return last < first and apart < _UNLIKE * float(np.abs(whole).max(axis=1).mean())
 
     return holds
 
@@ -140,6 +152,29 @@ def expectations_are_met(rig: Rig) -> Holds:
     return holds
 
 
+@dataclass(frozen=True)
+class Slope:
+    """By how much the logarithm of a size changes for a parameter's relative change of one."""
+
+    value: float
+    apart: float
+    """By how much the slopes upwards and downwards differ; both are NaN where a changed loop has no number."""
+
+    @staticmethod
+    def of(rig: Rig, name: str, nominal: float, log: Callable[[Starts], float]) -> Slope:
+        """Measures it from changes of CHANGE and -CHANGE. Raises InputError for a parameter that is none."""
+        changed = (scaled(rig, name, 1.0 + part, "--sensitivity") for part in (CHANGE, -CHANGE))
+        up, down = ((log({**rig.session.opened.plan.starts, **starts}) - nominal) / CHANGE for starts in changed)
+        return Slope(0.5 * (up - down), abs(up + down))
+
+    def line(self, name: str, what: str) -> str:
+        """Returns what is told of it."""
+        if math.isnan(self.value):
+            return f"{name} +- 1 %: no number, since the changed loop has none"
+        factor, more = math.exp(0.01 * self.value), 0.005 * self.apart
+        return f"{name} + 1 %: {what} times {factor:.5g} +- {factor * more:.2g}"
+
+
 def _applied(rig: Rig, change: Change, value: float) -> tuple[Altered, Starts]:
     plan = rig.session.opened.plan
     if change.name == "gain":
@@ -149,9 +184,9 @@ def _applied(rig: Rig, change: Change, value: float) -> tuple[Altered, Starts]:
     return Altered(), {**plan.starts, **scaled(rig, change.name, value)}
 
 
-def scaled(rig: Rig, name: str, factor: float) -> dict[str, list[Start]]:
+def scaled(rig: Rig, name: str, factor: float, option: str = "--change") -> dict[str, list[Start]]:
     """Returns the start values of a block with one parameter, or an element of it, multiplied. Raises InputError."""
-    plan, place = rig.session.opened.plan, Place(f"--change {name}")
+    plan, place = rig.session.opened.plan, Place(f"{option} {name}")
     try:
         reference = Reference(name)
         model = plan.models.get(reference.block)

@@ -43,6 +43,21 @@ def test_the_response_is_that_of_the_open_loop_at_every_frequency():
     np.testing.assert_allclose(response.S[:, 0, 0], 1 / (1 + exact), atol=3e-3)
 
 
+def test_pulses_and_a_multisine_have_the_same_margins():
+    """The witness injects 60 sines with phases of least peak (Schroeder) over six windows, and takes the last one."""
+    loop, n = rig(lagging), 512
+    lines = np.unique(np.geomspace(1, n // 2 - 1, 60).astype(int))
+    count, k = np.arange(6 * n), np.arange(len(lines))
+    sines = np.cos(2 * np.pi * np.outer(count, lines) / n - np.pi * k * (k - 1) / len(lines)).sum(axis=1)[:, None]
+    came = loop.fly(1e-3 * loop.scales * sines) - loop.fly(np.zeros_like(sines))
+    d, v = (np.fft.rfft(one[-n:, 0])[lines] for one in (1e-3 * loop.scales * sines, came))
+    omega, L = 2 * np.pi * lines / n / STEP, -(v / d) / (1 + v / d)
+    response = measure(rig(lagging))
+    found, witness = margins(response.omega, response.loops[:, 0]), margins(omega, L)
+    assert 20 * np.log10(found.gain_up.value / witness.gain_up.value) == pytest.approx(0, abs=0.2)
+    assert np.degrees(found.phase.value - witness.phase.value) == pytest.approx(0, abs=1)
+
+
 def test_a_slow_law_is_measured_at_its_own_samples():
     response = measure(rig(lagging, law={"every": 3}))
     held = np.linalg.matrix_power(A, 3), sum(np.linalg.matrix_power(A, k) @ B for k in range(3))

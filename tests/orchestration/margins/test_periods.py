@@ -96,5 +96,17 @@ def test_the_command_follows_periods_and_seeks_the_gain_that_loses_the_loop(tmp_
     (change,) = said["searched"]
     assert change["holds"] <= 1.02 * 2 / 0.08 <= 1.04 * change["lost"]
     assert "|multipliers|: 0.0356" in orchestrate("margins", loop, *options).output
-    refused = orchestrate("margins", loop, *options, "--sensitivity", "controller.gain")
-    assert (refused.exit_code, "--periods gives no sensitivity" in refused.output) == (2, True)
+
+
+def test_the_sensitivity_of_periods_is_that_of_the_pole(tmp_path):
+    """d(40 log(1 - g h))/d log g"""
+    loop = toy(tmp_path, static("-g * w"))
+    options = ("--at", "plant.wheel_torque_cmd", "--when", "1 s", "--orbit", "4 s", "--piece", "0.2 s")
+    options = (*options, "--state", "plant.omega_B", "--periods", "2", "--sensitivity", "controller.gain")
+    result = orchestrate("margins", loop, *options, "--json")
+    assert result.exit_code == 0, result.output
+    said = json.loads(result.stdout)
+    assert said["sensitivity"]["controller.gain"] == pytest.approx(-40 * 0.08 / (1 - 0.08), rel=1e-3)
+    assert said["sensitivity_error"]["controller.gain"] < 0.1
+    wrong = orchestrate("margins", loop, *options[:-1], "controller.gian")
+    assert (wrong.exit_code, "--sensitivity controller.gian" in wrong.output) == (2, True)

@@ -6,6 +6,7 @@ import pytest
 
 from orchestration.errors import InputError
 from orchestration.margins.analysis import alike, loci
+from orchestration.margins.inject import Altered
 from orchestration.margins.measure import measure
 from orchestration.margins.search import Change, lost, pulse_dies_out
 
@@ -92,3 +93,11 @@ def test_the_witness_of_this_file_agrees_with_python_control():
     gain = control.stability_margins(control.ss(A, B, GAINS[None, :], 0, STEP), method="frd")[0]
     assert not unstable(0.99 * gain, 0)
     assert unstable(1.01 * gain, 0)
+
+
+def test_a_loop_that_is_lost_at_once_and_stands_at_its_limits_does_not_hold():
+    """With a gain of 1000 the law switches between its limits, where pulses change little."""
+    loop = rig(lambda: [linear(A, B, np.eye(3)), law(lambda y: np.clip(-GAINS @ y, -1e6, 1e6), 3)], first=400)
+    holds = pulse_dies_out(loop, 300)
+    assert holds(Altered(), None)
+    assert not holds(Altered(gain=1e3), None)
