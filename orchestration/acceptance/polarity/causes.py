@@ -30,7 +30,7 @@ _SPREAD = {"noise": 0.2, "dead": 0.2}
 """By how much estimates of one size differ from element to element, where that is more than 0.02."""
 _GAINS = 0.1, 10.0
 """Beyond them, and below zero, a factor is a wrong unit or sign: a wiring."""
-_NOISE_SHARE, _CORRELATION = 0.5, 4.0
+_NOISE_SHARE, _CORRELATION = 1.0, 4.0
 """Noise is at most this share of the signal; correlations stay within so many times those of white noise."""
 
 

@@ -33,6 +33,8 @@ _NEAR_WITH_CAUSES = 0.2
 """The latter where causes are looked for besides."""
 _CLEAR, _EXACT = 3.0, 1e-8
 """Another with as few unknowns serves as well where it leaves at most so many times the least, or so much."""
+_FAR = 10.0
+"""One that leaves so many times the least of some instants is not looked at on the whole run."""
 _LEAST = 1e-5
 """rad; a turn by less is none."""
 _STEP, _TINY, _MOST = 1e-6, 1e-11, 20
@@ -73,18 +75,28 @@ def other_frame(
     """
     found: list[tuple[float, Reading, Floats, tuple[Cause, ...]]] = []
     as_wired = float(np.linalg.norm(_left(ours, whole[0], {}, whole[2])))
+    near: list[tuple[float, Reading, Floats]] = []
     for reading in allowed:
-        if reading.starts != ((),) and any(left < _EXACT and not len(u) for left, _, u, _ in found):
+        unknowns, left = _fitted(ours, reading, *few, reading.starts, rest is not None)
+        if not len(unknowns) or (
+            left <= (_NEAR if rest is None else _NEAR_WITH_CAUSES) and np.abs(unknowns).max() >= _LEAST
+        ):
+            near.append((left, reading, unknowns))
+    least = min((left for left, _, u in near if len(u)), default=0.0)
+    for left, reading, unknowns in sorted(near, key=lambda one: (len(one[2]) > 0, one[0])):
+        if len(unknowns) and any(left < _EXACT and not len(u) for left, _, u, _ in found):
             break  # fewer unknowns are preferred
+        if len(unknowns) and left > max(_FAR * least, _SERVES):
+            break  # on these instants another is much nearer
         if clock() > ends:
             return None
-        unknowns, left = _fitted(ours, reading, *few, reading.starts)
-        if len(unknowns) and (left > (_NEAR if rest is None else _NEAR_WITH_CAUSES) or np.abs(unknowns).max() < _LEAST):
-            continue
         tried = [unknowns]
         if len(unknowns) or rest is None:
-            again, left = _fitted(ours, reading, *whole, (tuple(unknowns.tolist()),))
-            tried = [again] if rest is None else [unknowns, again]
+            start = (tuple(unknowns.tolist()),)
+            again, left = _fitted(ours, reading, *whole, start)
+            tried = [again]
+            if rest is not None:
+                tried += [unknowns, _fitted(ours, reading, *whole, start, True)[0]]
         causes: tuple[Cause, ...] = ()
         if rest is not None:
             made = [(*rest(_played(ours, whole[0], reading.read(*whole[:2], u))), u) for u in tried]
@@ -177,22 +189,39 @@ def _played(ours: Bench, inputs: Inputs, read: Inputs) -> Inputs | None:
     return ours.play({n: v for n, v in {**inputs, **read}.items() if n in ours.model.variables})
 
 
-def _left(ours: Bench, inputs: Inputs, read: Inputs, given: Inputs) -> Floats:
-    """Returns what differs from theirs, in shares of each output, where ours reads some inputs otherwise."""
+def _left(ours: Bench, inputs: Inputs, read: Inputs, given: Inputs, freed: bool = False) -> Floats:
+    """Returns what differs from theirs, in shares of each output, where ours reads some inputs otherwise.
+
+    `freed` of a bias of each element, and of the instants at which theirs is at its largest, as where it saturates.
+    """
     played = _played(ours, inputs, read)
     if played is None:
         return np.full(sum(v.size for v in given.values()), 1.0)
     parts = [(played[n] - v) / (float(np.linalg.norm(v)) or 1.0) for n, v in given.items()]
+    if freed:
+        parts = [_freed(part, v) for part, v in zip(parts, given.values(), strict=True)]
     return np.concatenate([part.ravel() for part in parts]) / len(given) ** 0.5
 
 
+def _freed(part: Floats, theirs: Floats) -> Floats:
+    within = np.abs(theirs) < (1.0 - 1e-9) * np.abs(theirs).max(axis=0)
+    mean = (part * within).sum(axis=0) / np.maximum(within.sum(axis=0), 1)
+    return np.where(within, part - mean, 0.0)
+
+
 def _fitted(
-    ours: Bench, reading: Reading, inputs: Inputs, time: Floats, given: Inputs, starts: tuple[tuple[float, ...], ...]
+    ours: Bench,
+    reading: Reading,
+    inputs: Inputs,
+    time: Floats,
+    given: Inputs,
+    starts: tuple[tuple[float, ...], ...],
+    freed: bool = False,
 ) -> tuple[Floats, float]:
     """Returns the unknowns with which ours is nearest to theirs, and what is left, as a share of theirs."""
 
     def left(unknowns: Floats) -> Floats:
-        return _left(ours, inputs, reading.read(inputs, time, unknowns), given)
+        return _left(ours, inputs, reading.read(inputs, time, unknowns), given, freed)
 
     best = min((np.array(start, float) for start in starts), key=lambda start: float(np.linalg.norm(left(start))))
     now = left(best)

@@ -87,6 +87,11 @@ def test_nothing_is_said_of_a_difference_that_no_cause_explains(theirs):
     assert found(theirs)[0] == []
 
 
+def test_noise_may_be_nearly_as_large_as_the_signal():
+    noise = np.random.default_rng(5).normal(size=OURS.shape) * [0.0, 0.6, 0.0]
+    assert found(OURS + noise)[0] == [("noise", "torque[2]", pytest.approx(0.6, rel=0.05))]
+
+
 def test_a_wrong_sign_or_unit_is_no_gain():
     assert found(-OURS)[0] == []
     assert found(1000.0 * OURS)[0] == []

@@ -58,15 +58,19 @@ def answers(read, flown):
     return Block().play(flown[1] | read(*flown))
 
 
-def named(flown, read, late=0):
-    """Returns what is named of a block of theirs which reads its inputs so, and is so many samples late."""
+def late(values):
+    return np.concatenate([np.repeat(values[:1], 3, 0), values])[: len(values)]
+
+
+def named(flown, read, changed=None):
+    """Returns what is named of a block of theirs which reads its inputs so, and whose outputs are changed besides."""
     time, inputs = flown
     variables = {n: Variable(n, "input", shape=(len(v[0]),), frame=FRAMES[n]) for n, v in inputs.items()}
     ports = {
         n: Port("b", n, "input", tuple(range(v.shape[1])), KINDS.get(n, "vector"), parse_unit(UNITS[n]), v.shape[1])
         for n, v in inputs.items()
     }
-    theirs = {n: np.concatenate([np.repeat(v[:1], late, 0), v])[: len(v)] for n, v in answers(read, flown).items()}
+    theirs = {n: changed(v) if changed else v for n, v in answers(read, flown).items()}
     some = slice(None, None, 20)
     few = {n: v[some] for n, v in inputs.items()}, time[some], {n: v[some] for n, v in theirs.items()}
 
@@ -76,7 +80,7 @@ def named(flown, read, late=0):
         return tuple(cause for one in made for cause in one[0]), left
 
     whole = inputs, time, theirs
-    made = other_frame(Block(), readings(ports, variables), few, whole, math.inf, rest if late else None)
+    made = other_frame(Block(), readings(ports, variables), few, whole, math.inf, rest if changed else None)
     return made if made is None else (*made[0], made[1])
 
 
@@ -130,10 +134,29 @@ def test_a_frame_and_what_makes_its_output_late_are_named_together(flown):
         orbital = np.cross(inputs["r_N"], inputs["v_N"]) / (inputs["r_N"] ** 2).sum(axis=1, keepdims=True)
         return {"omega_B": inputs["omega_B"] + np.einsum("nji,nj->ni", inputs["R_NB"].reshape(-1, 3, 3), orbital)}
 
-    frame, *causes, _ = named(flown, read, late=3)
+    frame, *causes, _ = named(flown, read, late)
     assert "relative to LVLH" in frame.text
     assert {(cause.kind, round(cause.size, 6)) for cause in causes} == {("delay", 3.0)}
-    assert named(flown, lambda time, inputs: {"r_N": inputs["r_N"] * [1.0, 1.02, 1.0]}, late=3) is None
+    assert named(flown, lambda time, inputs: {"r_N": inputs["r_N"] * [1.0, 1.02, 1.0]}, late) is None
+
+
+@pytest.mark.parametrize(
+    ("changed", "kinds"),
+    [
+        (lambda values: values + np.array([0.0, 0.02, 0.0]), {"bias"}),
+        (lambda values: np.clip(values, *(0.9 * np.abs(values).max() * np.array([-1.0, 1.0]))), {"limit"}),
+    ],
+    ids=["bias", "limit"],
+)
+def test_angles_of_a_frame_are_fitted_beside_a_bias_or_a_limit_of_the_outputs(flown, changed, kinds):
+    precession = erfa.bp00(2451545.0, 26.9 * 365.25)[1]
+    frame, *causes, left = named(
+        flown, lambda time, inputs: {n: inputs[n] @ precession.T for n in ("r_N", "v_N")}, changed
+    )
+    assert "as the equator turns in 26.9 years" in frame.text
+    # One that is at its limit to the end may as well be stuck.
+    assert {cause.kind for cause in causes} - {"stuck"} == kinds
+    assert left < 1e-8
 
 
 @pytest.mark.parametrize(
