@@ -146,7 +146,12 @@ def _ready_made(folder: Path) -> None:
         made = toolchain.compile_library(source.stem, [source], [headers], toolchain.PLATFORMS)
         for platform, library in made.items():
             (folder / "loop" / f"{name}{platform}{toolchain.PLATFORMS[platform].suffix}").write_bytes(library)
-    for name, libraries in (("telemetry", telemetry.libraries()), ("changes", changes.libraries())):
+    container = [*sorted((orchestration / "export" / "container").glob("*.c")), orchestration / "master" / "loop.c"]
+    for name, libraries in (
+        ("telemetry", telemetry.libraries()),
+        ("changes", changes.libraries()),
+        ("container", telemetry.libraries("container", [*container, *telemetry.SHARED])),
+    ):
         (folder / name).mkdir()
         for platform, library in libraries.items():
             (folder / name / platform).write_bytes(library)

@@ -127,7 +127,7 @@ def export_loop(
     """Writes a scenario as an SSP archive (.ssp) or as one FMU that holds all (.fmu), and returns the path.
 
     `for_orchestrate` keeps rates, faults and delays in the archive's annotation, where only this program reads them.
-    Without it they are parameters and FMUs. An archive is one of SSP 1.0 or 2.0 (`ssp_version`); `numbers` writes its
+    Without it they are parameters and FMUs. An archive is one of SSP 1.0 or 2.0 (`ssp_version`); `numbers` writes
     enumerations as whole numbers. Raises ResultsError where the file cannot be written.
     """
     target = Path(path)
@@ -141,7 +141,7 @@ def export_loop(
         if target.suffix == ".ssp":
             ssp.write(system, target, ssp.Style(ssp_version, numbers))
         else:
-            container.write(system, target)
+            container.write(system, target, numbers)
     return target
 
 

@@ -97,9 +97,8 @@ def packed(channels: Sequence[Channel], description: str, stop: float, step: flo
 
 
 def libraries() -> dict[str, bytes]:
-    """Returns the library by platform; it has three of telemetry's sources. Raises CompilerError."""
-    shared = [telemetry.HERE / f"{name}.c" for name in ("host", "record_file", "remaining")]
-    return telemetry.libraries(NAME, [*sorted(HERE.glob("*.c")), *shared])
+    """Returns the library by platform; it has four of telemetry's sources. Raises CompilerError."""
+    return telemetry.libraries(NAME, [*sorted(HERE.glob("*.c")), *telemetry.SHARED, telemetry.HERE / "stateless.c"])
 
 
 def _description(channels: Sequence[Channel], guid: str, description: str, stop: float, step: float) -> bytes:

@@ -30,6 +30,8 @@ from ..native import SHELL
 from ..native.toolchain import FLAGS, PLATFORMS, compile_library, compiler
 
 HERE = Path(__file__).parent
+SHARED = tuple(HERE / f"{name}.c" for name in ("host", "record_file", "remaining"))
+"""What other FMUs of one library and a table in their resources have of these sources."""
 NAME = "telemetry"
 PORTS_MAX, VALUES_MAX = 512, 4096
 """As in telemetry.c."""

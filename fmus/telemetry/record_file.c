@@ -9,8 +9,6 @@
 #include <unistd.h>
 #endif
 
-enum { PATH_SIZE = 1024, NAME_SIZE = 33 }; /* a function has 4 KB of stack where there is no C library */
-
 static int digit(char c)
 {
     return c >= '0' && c <= '9'   ? c - '0'
@@ -30,16 +28,15 @@ static const char *behind(const char *text, const char *beginning)
     return at;
 }
 
-/* file:///folder%20name/resources as /folder name/resources/NAME; on Windows without the first slash. */
-static bool path_of(const char *uri, const char *name, char *path)
+bool resource_path(char path[PATH_SIZE], const char *uri, const char *name)
 {
     const char *local = behind(uri, "file:"), *from = local == NULL ? uri : local;
     from += behind(from, "///") != NULL ? 2 : 0;
     size_t n = 0;
 #if defined(_WIN32)
-    from += *from == '/';
+    from += *from == '/' && from[1] != '/';
 #endif
-    while (*from != '\0' && n < PATH_SIZE - NAME_SIZE) {
+    while (*from != '\0' && n < PATH_SIZE - 2) {
         if (*from == '%' && digit(from[1]) >= 0 && digit(from[2]) >= 0) {
             path[n++] = (char)(16 * digit(from[1]) + digit(from[2]));
             from += 3;
@@ -49,10 +46,11 @@ static bool path_of(const char *uri, const char *name, char *path)
     }
     n -= n > 0 && path[n - 1] == '/';
     path[n++] = '/';
-    for (size_t i = 0; i + 1 < NAME_SIZE && (i == 0 || name[i - 1] != '\0'); ++i) {
-        path[n++] = name[i];
+    while (*name != '\0' && n < PATH_SIZE - 1) {
+        path[n++] = *name++;
     }
-    return *from == '\0';
+    path[n] = '\0';
+    return *from == '\0' && *name == '\0';
 }
 
 #if defined(_WIN32)
@@ -61,7 +59,7 @@ bool record_open(RecordFile *file, const char *resources, const char *name)
 {
     char path[PATH_SIZE];
     WCHAR wide[PATH_SIZE];
-    if (!path_of(resources, name, path) || MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, PATH_SIZE) == 0) {
+    if (!resource_path(path, resources, name) || MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, PATH_SIZE) == 0) {
         return false;
     }
     const HANDLE handle = CreateFileW(wide, GENERIC_READ, FILE_SHARE_READ, NULL, OPEN_EXISTING, 0, NULL);
@@ -96,7 +94,7 @@ void record_close(RecordFile *file)
 bool record_open(RecordFile *file, const char *resources, const char *name)
 {
     char path[PATH_SIZE];
-    const int handle = path_of(resources, name, path) ? open(path, O_RDONLY) : -1;
+    const int handle = resource_path(path, resources, name) ? open(path, O_RDONLY) : -1;
     file->open = handle >= 0;
     file->handle = handle;
     return file->open;

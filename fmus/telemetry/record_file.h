@@ -11,7 +11,13 @@ typedef struct {
     bool open;
 } RecordFile;
 
-/* Opens a file in the folder of a file URI, as FMI 2.0 gives that of the resources; its name has at most 31 characters. */
+enum { PATH_SIZE = 1024 }; /* a function has 4 KB of stack where there is no C library */
+
+/* file:///folder%20name/resources as /folder name/resources/NAME; on Windows without the first slash. Returns whether it
+ * fits. */
+bool resource_path(char path[PATH_SIZE], const char *uri, const char *name);
+
+/* Opens a file in the folder of a file URI, as FMI 2.0 gives that of the resources. */
 bool record_open(RecordFile *file, const char *resources, const char *name);
 
 /* Reads all of these bytes; false where there are fewer. */

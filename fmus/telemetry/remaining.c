@@ -1,4 +1,4 @@
-/* What FMI 2.0 asks of every FMU, and a record and an FMU of changes have no use for. */
+/* What FMI 2.0 asks of every FMU, and those of this folder, of changes and of containers have no use for. */
 #include "fmi2.h"
 
 const char *fmi2GetTypesPlatform(void)
@@ -9,36 +9,6 @@ const char *fmi2GetTypesPlatform(void)
 const char *fmi2GetVersion(void)
 {
     return "2.0";
-}
-
-fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String categories[])
-{
-    (void)c, (void)on, (void)n, (void)categories;
-    return fmi2OK;
-}
-
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference r[], size_t n, const fmi2String v[])
-{
-    (void)c, (void)r, (void)v;
-    return n == 0 ? fmi2OK : fmi2Error;
-}
-
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference r[], size_t n, fmi2String v[])
-{
-    (void)c, (void)r, (void)v;
-    return n == 0 ? fmi2OK : fmi2Error;
-}
-
-fmi2Status fmi2EnterInitializationMode(fmi2Component c)
-{
-    (void)c;
-    return fmi2OK;
-}
-
-fmi2Status fmi2Terminate(fmi2Component c)
-{
-    (void)c;
-    return fmi2OK;
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)
@@ -59,42 +29,6 @@ STATUS(fmi2GetRealStatus, fmi2Real)
 STATUS(fmi2GetIntegerStatus, fmi2Integer)
 STATUS(fmi2GetBooleanStatus, fmi2Boolean)
 STATUS(fmi2GetStringStatus, fmi2String)
-
-fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *s)
-{
-    (void)c, (void)s;
-    return fmi2Error;
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate s)
-{
-    (void)c, (void)s;
-    return fmi2Error;
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *s)
-{
-    (void)c, (void)s;
-    return fmi2Error;
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *n)
-{
-    (void)c, (void)s, (void)n;
-    return fmi2Error;
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte b[], size_t n)
-{
-    (void)c, (void)s, (void)b, (void)n;
-    return fmi2Error;
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte b[], size_t n, fmi2FMUstate *s)
-{
-    (void)c, (void)b, (void)n, (void)s;
-    return fmi2Error;
-}
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference u[], size_t nu,
                                         const fmi2ValueReference k[], size_t nk, const fmi2Real d[], fmi2Real v[])

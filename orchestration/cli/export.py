@@ -39,7 +39,7 @@ from .paths import PATH
     "--container",
     type=PATH,
     metavar="FILE.fmu",
-    help="As one FMU that holds them all (needs fmu-manipulation-toolbox).",
+    help="As one FMU that holds them all.",
 )
 @click.option(
     "--for-orchestrate",
@@ -53,9 +53,7 @@ from .paths import PATH
     show_default=True,
     help="Which SSP the archive is of.",
 )
-@click.option(
-    "--numbers", is_flag=True, help="Enumerations of the SSP archive as whole numbers, for tools that know no items."
-)
+@click.option("--numbers", is_flag=True, help="Enumerations as whole numbers, for tools that know no items.")
 @changes("step", "flavour")
 def command(
     scenario: Path,
@@ -91,7 +89,7 @@ def command(
             if suffix == ".ssp":
                 ssp_writer.write(system, path, ssp_writer.Style(ssp_version, numbers))
             else:
-                container_writer.write(system, path)
+                container_writer.write(system, path, numbers)
         say(f"{shown(path)}  {path.stat().st_size / 1000:.0f} kB")
 
 

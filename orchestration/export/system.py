@@ -89,6 +89,8 @@ class System:
     wires: tuple[Wire, ...]
     order: tuple[str, ...]
     """The components in the order in which the scenario steps them."""
+    initial: tuple[Wire, ...]
+    """Those that pass values on in initialization mode, in the order in which outputs depend on each other."""
     delays: tuple[str, ...] | None = None
     """The inputs whose delay this order makes; None where the annotation keeps rates, faults and delays."""
 
@@ -115,18 +117,24 @@ def flat(scenario: Scenario, kept: bool = False) -> System:
     changed = {} if kept else changes(scenario, plan, names, variable, values)
     channels = {node: (c.name, channel) for c in changed.values() for node, channel in c.channels.items()}
     fed: dict[str, dict[Node, Scalar]] = {name: {} for name in fmus}
+    levels = {node: level for level, nodes in enumerate(plan.order.levels) for node in nodes}
+    at_level: dict[Wire, int] = {}
     wires = []
     for link in plan.wiring.links:
         for source, target in zip(link.source, link.target, strict=True):
             before = channels.get(target)
             end = (target.block, names[target]) if before is None else (before[0], before[1].inner)
             wires.append(Wire((source.block, names[source]), end, link.factor, link.offset))
+            if not link.delayed or (before is not None and changed[target.block].channels[target].delayed):
+                at_level[wires[-1]] = levels[source]
             given = [start.value for start in plan.starts[target.block] if start.element == target.element]
             if before is None and not link.delayed:
                 given = [_converted(initial[source], link.factor, link.offset)]
             fed[target.block].update(dict.fromkeys([target], *given) if given else {})
     for node, (name, channel) in channels.items():
         wires.append(Wire((name, channel.name), (node.block, names[node]), 1.0, 0.0))
+        incoming = next((level for wire, level in at_level.items() if wire.target == (name, channel.inner)), -1)
+        at_level[wires[-1]] = -1 if channel.delayed else incoming
         fed[node.block][node] = _typed(channel.start, variable(node).type)
     components = []
     targets = {wire.target for wire in wires}
@@ -156,7 +164,8 @@ def flat(scenario: Scenario, kept: bool = False) -> System:
     components += [_inserted(scenario, block, c, variable) for block, c in changed.items()]
     order = [n for block in plan.order.blocks for n in ([changed[block].name] if block in changed else []) + [block]]
     delays = None if kept else tuple(delays_by_order(plan, changed))
-    return System(scenario, tuple(components), tuple(wires), tuple(order), delays)
+    passing = sorted(at_level, key=at_level.__getitem__)
+    return System(scenario, tuple(components), tuple(wires), tuple(order), tuple(passing), delays)
 
 
 def _check(scenario: Scenario, opened: Opened) -> None:

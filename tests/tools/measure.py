@@ -58,13 +58,7 @@ LOOPS = (
     Recipe("fmpy_ssp.py", "FMPy", "FMPy", "the loop from `adcs.ssp`"),
     Recipe("libcosim_ssp.py", "libcosim", "libcosimpy", "the loop from `adcs.ssp`"),
     Recipe("ecos_ssp.py", "ecos", "ecospy", "the loop from `adcs.ssp`", ahead=1),
-    Recipe(
-        "fmpy_container.py",
-        "fmu-manipulation-toolbox",
-        "fmu-manipulation-toolbox",
-        "the loop as one FMU, in FMPy",
-        exchange="sequential",
-    ),
+    Recipe("fmpy_container.py", "FMPy", "FMPy", "the loop as one FMU", exchange="sequential"),
 )
 
 

@@ -24,7 +24,6 @@ MODULES = {
     "FMPy": "fmpy",
     "libcosimpy": "libcosimpy",
     "ecospy": "ecospy",
-    "fmu-manipulation-toolbox": "fmu_manipulation_toolbox",
 }
 
 

@@ -11,7 +11,6 @@ import pytest
 import orchestration
 from orchestration.errors import InputError
 from orchestration.export.changes import _of_value
-from orchestration.export.container import _description
 from orchestration.export.system import Component, System, flat
 from orchestration.system.faults import Setting
 from tests.orchestration import fmus
@@ -58,21 +57,6 @@ def test_free_are_all_inputs_and_parameters_to_which_nothing_is_connected(loop):
     assert not {port.name for port in motor.free} & {"voltage", "speed", "hot"}
     assert "speed" not in {port.name for port in regulator.free}
     assert {port.name for port in motor.ports} == {"voltage", "speed", "steps", "hot"}
-
-
-def test_a_container_is_told_each_link_from_its_source_to_its_target_and_what_stays_free(loop):
-    system, _, _ = of(loop)
-    told = _description(system, "both")
-    assert sorted(told["link"]) == [
-        ["wire.motor.fmu", "speed", "wire.regulator.fmu", "speed"],
-        ["wire.regulator.fmu", "voltage", "wire.motor.fmu", "voltage"],
-    ]
-    assert told["fmu"] == [f"wire.{name}.fmu" for name in system.order]
-    assert ["motor.inertia", "wire.motor.fmu", "inertia"] in told["input"]
-    assert ["wire.motor.fmu", "speed", "motor.speed"] in told["output"]
-    assert len(told["input"]) == sum(len(c.free) for c in system.components)
-    assert told["step_size"] == 0.1
-    assert told["sequential"]
 
 
 def test_times_in_a_unit_of_the_scenario_s_own_do_not_keep_it_from_export(loop):
