@@ -84,8 +84,12 @@ def requirements(path: Path) -> tuple[tuple[Asked, ...], dict[str, float]]:
     if not isinstance(listed, list):
         raise InputError(source.error((), "expected 'requirements', a list of entries with id, text, metric, below"))
     asked = tuple(_asked(source, i, entry) for i, entry in enumerate(listed))
-    power = {}
-    for name, value in (data.get("power") or {}).items():
+    power, stated = {}, data.get("power") or {}
+    if not isinstance(stated, dict):
+        raise InputError(
+            source.error(("power",), f"expected rod, wheel or efficiency, each with its value, found {stated}")
+        )
+    for name, value in stated.items():
         if name not in ("rod", "wheel", "efficiency"):
             raise InputError(source.error(("power", name), "expected rod, wheel or efficiency"))
         with source.naming(("power", name)):

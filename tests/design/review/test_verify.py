@@ -68,3 +68,8 @@ def test_verdicts_have_margin_worst_case_and_reason(tmp_path):
 def test_a_wrong_requirement_is_told_with_its_line(tmp_path, entry, expected):
     with pytest.raises(InputError, match=rf"asked\.yaml:\d+.*{expected}"):
         _asked(tmp_path, f"requirements:\n  - {entry}\n")
+
+
+def test_power_that_is_no_mapping_is_told_with_its_line(tmp_path):
+    with pytest.raises(InputError, match=r"asked\.yaml:2.*expected rod, wheel or efficiency"):
+        _asked(tmp_path, "requirements: []\npower: 3")
