@@ -2,6 +2,8 @@
 
 `flat` opens the FMUs and runs one step, since the inputs that are connected get their values of t = 0 as start values:
 most tools exchange nothing in initialization mode.
+
+Longer than 250 lines: `flat` goes over the links once, for wires, values and their order in initialization mode alike.
 """
 
 from __future__ import annotations

@@ -1,7 +1,9 @@
 /* A container: FMUs that stand in its resources, which it steps as the scenario does. The host sees one FMU.
  *
  * It makes as many steps of the scenario as end with the host's step or before; a host may ask for any step. Inside,
- * time begins at 0, wherever that of the host does. */
+ * time begins at 0, wherever that of the host does.
+ *
+ * Longer than 250 lines: these are all functions of FMI 2.0 that a host calls, in the order of its calls. */
 #include <math.h>
 #include <string.h>
 
