@@ -79,9 +79,8 @@ typedef enum { MODE_SETUP, MODE_INITIALIZATION, MODE_STEP, MODE_FAILED, MODE_TER
 typedef struct {
     int64_t count;      /* steps of the scenario that are done */
     double begin, time; /* of the host, s */
-    Mode mode;
-    bool passed_on; /* in initialization mode: outputs have gone to the inputs since the last Set */
-    bool unused[3];
+    uint32_t mode;      /* a Mode */
+    uint32_t passed_on; /* in initialization mode: outputs have gone to the inputs since the last Set */
 } Kept;
 
 struct Container {

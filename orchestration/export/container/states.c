@@ -63,10 +63,20 @@ static Inner *able(Container *c, uint32_t i, const char *function, fmi2Status *s
     return *status == fmi2OK ? inner : NULL;
 }
 
+/* Of a call that has failed: no half of a state is left where there was none before. */
+static fmi2Status without(Container *c, fmi2FMUstate *state, bool made, fmi2Status status)
+{
+    if (made && status != fmi2OK) {
+        fmi2FreeFMUstate(c, state);
+    }
+    return status;
+}
+
 fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state)
 {
     Container *c = component;
     fmi2Status status = fmi2OK;
+    const bool made = state != NULL && *state == NULL;
     Saved *saved = place(c, state, "fmi2GetFMUstate");
     for (uint32_t i = 0; saved != NULL && i < c->head.blocks && status == fmi2OK; ++i) {
         Inner *inner = able(c, i, "fmi2GetFMUstate", &status);
@@ -79,7 +89,7 @@ fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state)
     }
     saved->beginning.kept = c->kept;
     memcpy(saved->bus, c->bus, c->head.outputs * sizeof *c->bus);
-    return status;
+    return without(c, state, made, status);
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state)
@@ -130,18 +140,20 @@ fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state)
 /* Bytes: the beginning, the bus, and of each FMU inside how many it has, with these. */
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size)
 {
+    static const char *const function = "fmi2SerializedFMUstateSize";
     Container *c = component;
     Saved *saved = state;
     fmi2Status status = fmi2OK;
     if (!ours(c, saved) || size == NULL) {
-        return refuse(c, "fmi2SerializedFMUstateSize", "expected a state of this FMU and a place for its size");
+        return refuse(c, function, "expected a state of this FMU and a place for its size");
     }
     *size = sizeof(Beginning) + c->head.outputs * sizeof(double);
     for (uint32_t i = 0; i < c->head.blocks && status == fmi2OK; ++i) {
         size_t one = 0;
-        Inner *inner = &c->inner[i];
-        status =
-            inner_done(inner, inner->state_size(inner->instance, saved->inner[i], &one), "fmi2SerializedFMUstateSize");
+        Inner *inner = able(c, i, function, &status);
+        if (inner != NULL) {
+            status = inner_done(inner, inner->state_size(inner->instance, saved->inner[i], &one), function);
+        }
         *size += sizeof(uint64_t) + one;
     }
     return status;
@@ -179,10 +191,8 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fm
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
 {
-    static const char *const function = "fmi2DeSerializeFMUstate", *const expected =
-                                                                       "expected the bytes that "
-                                                                       "fmi2SerializeFMUstate of this FMU "
-                                                                       "wrote";
+    static const char *const function = "fmi2DeSerializeFMUstate";
+    static const char *const expected = "expected the bytes that fmi2SerializeFMUstate of this FMU wrote";
     Container *c = component;
     Beginning beginning;
     size_t at = sizeof beginning + c->head.outputs * sizeof(double);
@@ -191,9 +201,11 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
     }
     memcpy(&beginning, bytes, sizeof beginning);
     beginning.guid[sizeof beginning.guid - 1] = '\0';
-    if (memcmp(beginning.mark, MARK, sizeof MARK) != 0 || strcmp(beginning.guid, c->head.guid) != 0) {
+    if (memcmp(beginning.mark, MARK, sizeof MARK) != 0 || strcmp(beginning.guid, c->head.guid) != 0 ||
+        beginning.kept.mode > MODE_TERMINATED || beginning.kept.count < 0) {
         return refuse(c, function, expected);
     }
+    const bool made = state != NULL && *state == NULL;
     Saved *saved = place(c, state, function);
     if (saved == NULL) {
         return fmi2Error;
@@ -216,5 +228,5 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
             at += (size_t)length;
         }
     }
-    return status;
+    return without(c, state, made, status);
 }

@@ -31,7 +31,8 @@ static bool sound(const Container *c)
     }
     for (uint32_t i = 0; i < h->variables; ++i) {
         const VariableRow *r = &c->variables[i];
-        good = good && r->kind < KINDS && (r->block < h->blocks || r->block == NO_BLOCK);
+        good = good && r->kind < KINDS &&
+               (r->block < h->blocks || (r->block == NO_BLOCK && r->kind == KIND_REAL && r->settable == 0));
     }
     for (uint32_t i = 0; i < h->starts; ++i) {
         good = good && c->starts[i].kind < KINDS && c->starts[i].block < h->blocks && c->starts[i].text < h->text;
@@ -71,6 +72,7 @@ bool table_open(Container *c, const char *resources, const char *guid, const cha
                   {&c->starts, h->starts, sizeof *c->starts},    {&c->inputs, h->inputs, sizeof *c->inputs},
                   {&c->outputs, h->outputs, sizeof *c->outputs}, {&c->initial, h->initial, sizeof *c->initial},
                   {&c->text, h->text, sizeof *c->text}};
+    *reason = whole ? "resources/container.bin is damaged: expected the tables that its head announces" : *reason;
     for (size_t i = 0; whole && i < sizeof tables / sizeof tables[0]; ++i) {
         void *const rows = container_take(c, tables[i].count, tables[i].size);
         memcpy(tables[i].into, &rows, sizeof rows);

@@ -7,56 +7,19 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from itertools import pairwise
 from pathlib import Path
 
 import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
 import orchestration
 
+from .host import Host
+
 EXPORTED = "loop.fmu"
-
-
-class Host:
-    """An instance of a container, with what it logs."""
-
-    def __init__(self, path: Path, name: str = "one") -> None:
-        about = fmpy.read_model_description(str(path))
-        self.references = {v.name: v.valueReference for v in about.modelVariables}
-        self.folder, self.said = fmpy.extract(str(path), unzipdir=str(path.parent / f"unpacked {name}")), []
-        identifier = about.coSimulation.modelIdentifier
-        self.fmu = FMU2Slave(guid=about.guid, unzipDirectory=self.folder, modelIdentifier=identifier, instanceName=name)
-        self.calls = fmpy.fmi2.fmi2CallbackFunctions()
-        self.calls.logger = fmpy.fmi2.fmi2CallbackLoggerTYPE(lambda *given: self.said.append(given[4].decode()))
-        self.calls.allocateMemory = fmpy.fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-        self.calls.freeMemory = fmpy.fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-        self.fmu.instantiate(callbacks=self.calls)
-
-    def begin(self, start: float = 0.0, **values: float) -> None:
-        self.fmu.setupExperiment(startTime=start)
-        for name, value in values.items():
-            self.fmu.setReal([self.references[name.replace("__", ".")]], [value])
-        self.fmu.enterInitializationMode()
-        self.fmu.exitInitializationMode()
-
-    def speed(self) -> float:
-        return self.fmu.getReal([self.references["motor.speed"]])[0]
-
-    def fly(self, times: list[float]) -> list[float]:
-        seen = []
-        for begin, end in pairwise(times):
-            self.fmu.doStep(begin, end - begin)
-            seen.append(self.speed())
-        return seen
-
-    def end(self) -> None:
-        self.fmu.freeInstance()
-        shutil.rmtree(self.folder)
 
 
 @pytest.fixture
