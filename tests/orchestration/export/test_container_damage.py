@@ -45,7 +45,7 @@ DAMAGES: dict[str, tuple[Callable[[bytes], bytes], str]] = {
     "a block that is not there": (lambda data: with_block(data, 77), DAMAGED),
     "no text": (lambda data: with_count(data, "text", 0), ANOTHER),
 } | {
-    f"{name}: {count}": (lambda data, name=name, count=count: with_count(data, name, count), words)  # type: ignore[misc]
+    f"{name}: {count}": (lambda data, name=name, count=count: with_count(data, name, count), words)
     for name in COUNTS
     for count, words in ((1000000, DAMAGED), (0xFFFFFFFF, ANOTHER))
 }

@@ -10,7 +10,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 import orchestration
-from orchestration import load
+from orchestration import Scenario, load
 
 from .host import Host
 
@@ -27,13 +27,16 @@ def fly(host: Host, first: int, last: int) -> list[list[float]]:
     return seen
 
 
-@pytest.fixture(scope="module", params=["sequential", "parallel"])
-def container(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def paper(exchange: str) -> Scenario:
     """The paper's V.B: plant, controller, allocator and judge."""
     source = load(ROOT / "scenarios" / "paper_no_singularity.yaml").source
     left = source.without([(key,) for key in ("expect", "figures", "consistency", "record", "live")])
-    scenario = load(left.with_value("duration", 2 * HALF * STEP, "").with_value("exchange", request.param, ""))
-    return orchestration.export_loop(scenario, tmp_path_factory.mktemp("states") / "loop.fmu")
+    return load(left.with_value("duration", 2 * HALF * STEP, "").with_value("exchange", exchange, ""))
+
+
+@pytest.fixture(scope="module", params=["sequential", "parallel"])
+def container(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return orchestration.export_loop(paper(request.param), tmp_path_factory.mktemp("states") / "loop.fmu")
 
 
 @pytest.fixture
