@@ -144,9 +144,10 @@ def test_the_view_draws_moves_and_turns_and_fits_every_width(chromium, motion):
         chromium.settle()
         pictures.append(page.evaluate(SHOWN))
         assert len(set(pictures)) == 4
+        slider.fill("40")  # which brings the slider into view, and may take the plots out of it
         page.locator(".plot").first.evaluate("it => it.scrollIntoView({ block: 'center' })")
-        slider.fill("40")
         chromium.settle()
+        chromium.until("document.querySelector('.plot .readout:not([hidden]) b')")
         assert values(chromium)[0].startswith("40 s")  # the plots' cursor is there, too
     assert (chromium.complaints, chromium.foreign) == ([], [])
 
