@@ -285,9 +285,9 @@ const timeline = {
         drawClear: [(u) => { spans(u, plot, css); former(u, plot); }], draw: [(u) => { lines(u, plot, css); names(u, plot, css); }],
         setScale: [(u, key) => { if (key === "x" && u.linked && u.root.isConnected) zoom(u.scales.x.min, u.scales.x.max, u); }],
         setCursor: [(u) => {
+          const { left } = u.cursor, shown = !u.readout.hidden;
           told(u, plot, swatches);
-          if (passing || !u.linked) return;
-          const { left } = u.cursor;
+          if (passing || !u.linked || (left < 0 && !shown)) return; // one that has just been drawn takes no cursor away
           follow(left < 0 ? null : u.posToVal(left, "x"), u);
           if (left >= 0) timeline.set(u.posToVal(left, "x"), follow);
         }],

@@ -144,13 +144,9 @@ def test_the_view_draws_moves_and_turns_and_fits_every_width(chromium, motion):
         chromium.settle()
         pictures.append(page.evaluate(SHOWN))
         assert len(set(pictures)) == 4
-        for _ in range(20):  # the slider may take the plot out of view before the page has seen it
-            page.locator(".plot").first.evaluate("it => it.scrollIntoView({ block: 'center' })")
-            chromium.settle()
-            slider.fill("40")
-            chromium.settle()
-            if values(chromium):
-                break
+        slider.fill("40")
+        page.locator(".plot").first.evaluate("it => it.scrollIntoView({ block: 'center' })")  # others are drawn now
+        chromium.settle()
         assert values(chromium)[0].startswith("40 s")  # the plots' cursor is there, too
     assert (chromium.complaints, chromium.foreign) == ([], [])
 
