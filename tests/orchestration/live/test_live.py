@@ -258,7 +258,8 @@ def test_a_click_on_a_plot_or_on_the_phases_goes_there(page):
 def test_a_click_on_the_bar_of_the_phases_goes_there(elsewhere, folder):
     made(folder, "flight_tumble")
     elsewhere.open(folder / "flight_tumble.html", 1400)
-    elsewhere.page.click("[data-part=play]")
+    flown(elsewhere)  # before, it has not begun to play
+    paused(elsewhere)
     span = float(elsewhere.page.get_attribute("[data-part=slider]", "max") or 0)
     for share in (0.25, 0.75):
         left, top, width, height = box(elsewhere, "[data-part=marks]")
