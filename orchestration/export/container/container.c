@@ -18,16 +18,9 @@ static bool may(const Container *c, unsigned modes, const char *function, fmi2St
                                       "after an error", "after fmi2Terminate"};
     *status = fmi2OK;
     if ((modes & (1u << c->kept.mode)) == 0u) {
-        container_say(c, fmi2Error, "logStatusError", function, ": not allowed ", now[c->kept.mode], NULL);
-        *status = fmi2Error;
+        *status = REFUSE(c, function, ": not allowed ", now[c->kept.mode]);
     }
     return *status == fmi2OK;
-}
-
-static fmi2Status refuse(Container *c, const char *what)
-{
-    container_say(c, fmi2Error, "logStatusError", what, NULL);
-    return fmi2Error;
 }
 
 /* The same of all, in their order, up to the first that fails; `all`: the others, too. */
@@ -39,7 +32,7 @@ static fmi2Status each(Container *c, size_t function, const char *name, bool all
         Plain call;
         memcpy(&call, (char *)inner + function, sizeof call);
         const fmi2Status now = inner->lost    ? fmi2Fatal
-                               : call == NULL ? refuse(c, "fmi2Reset: a library inside lacks it")
+                               : call == NULL ? REFUSE(c, "fmi2Reset: a library inside lacks it")
                                               : inner_done(inner, call(inner->instance), name);
         status = now > status ? now : status;
     }
@@ -84,7 +77,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     const char *reason;
     bool good = table_open(c, resources, guid, &reason);
     if (!good) {
-        refuse(c, reason);
+        (void)REFUSE(c, reason);
     }
     c->inner = good ? container_take(c, c->head.blocks, sizeof *c->inner) : NULL;
     good = c->inner != NULL;
@@ -93,7 +86,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
         good = inner_open(&c->inner[i], &c->blocks[i], resources, visible, log);
     }
     if (good && !table_lay_out(c)) {
-        refuse(c, "fmi2Instantiate: no memory, or a library inside lacks a function");
+        (void)REFUSE(c, "fmi2Instantiate: no memory, or a library inside lacks a function");
         good = false;
     }
     if (!good || set_starts(c) != fmi2OK) {
@@ -136,7 +129,7 @@ fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_de
         return status;
     }
     if (!isfinite(start)) {
-        return refuse(c, "fmi2SetupExperiment: startTime: expected a finite number");
+        return REFUSE(c, "fmi2SetupExperiment: startTime: expected a finite number");
     }
     c->kept.begin = c->kept.time = start;
     for (uint32_t i = 0; i < c->head.blocks && status == fmi2OK; ++i) {
@@ -181,9 +174,8 @@ static fmi2Status check_bus(const Container *c, size_t first, size_t count)
 {
     for (size_t i = first; i < first + count; ++i) {
         if (!isfinite(c->bus[i])) {
-            container_say(c, fmi2Error, "logStatusError", c->inner[c->outputs[i].block].name, ".",
-                          c->text + c->outputs[i].place, ": expected a finite number, found another", NULL);
-            return fmi2Error;
+            return REFUSE(c, c->inner[c->outputs[i].block].name, ".", c->text + c->outputs[i].place,
+                          ": expected a finite number, found another");
         }
     }
     return fmi2OK;
@@ -211,9 +203,7 @@ static fmi2Status stopped(Container *c)
     }
     const char *name = (sets ? SETTERS : GETTERS)[kind];
     if (loop->status == BEYOND) {
-        container_say(c, fmi2Error, "logStatusError", inner->name, ": ", name,
-                      ": found a value that its type cannot hold", NULL);
-        return fmi2Error;
+        return REFUSE(c, inner->name, ": ", name, ": found a value that its type cannot hold");
     }
     return inner_done(inner, (fmi2Status)loop->status, name);
 }
@@ -246,11 +236,11 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boole
         return status;
     }
     if (!(h > 0.0 && isfinite(h) && fabs(t - c->kept.time) <= 1e-6 * h + 1e-12 * fabs(c->kept.time))) {
-        return refuse(c, "fmi2DoStep: expected a step above 0 that begins where the last one ended");
+        return REFUSE(c, "fmi2DoStep: expected a step above 0 that begins where the last one ended");
     }
     const double steps = (t + h - c->kept.begin) / (c->head.numerator / c->head.denominator) + SHORT;
     if (!(steps < 9007199254740992.0)) {
-        return refuse(c, "fmi2DoStep: expected a time that is less than 2^53 steps");
+        return REFUSE(c, "fmi2DoStep: expected a time that is less than 2^53 steps");
     }
     c->loop.count = c->kept.count;
     if (run_loop(&c->loop, (int64_t)steps)) {

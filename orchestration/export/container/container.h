@@ -110,6 +110,9 @@ bool table_lay_out(Container *c);
 /* Tells the host what is put together of these texts, the last of which is followed by NULL. */
 void container_say(const Container *c, fmi2Status status, const char *category, ...);
 
+/* The same of an error, which is what it gives. */
+#define REFUSE(C, ...) (container_say((C), fmi2Error, "logStatusError", __VA_ARGS__, NULL), fmi2Error)
+
 /* Loads a library and makes the instance. Returns whether it is made; if not, the host has been told why. */
 bool inner_open(Inner *inner, const BlockRow *row, const char *resources, fmi2Boolean visible, fmi2Boolean log);
 void inner_close(Inner *inner);

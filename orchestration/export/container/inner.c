@@ -119,13 +119,13 @@ static bool load(Inner *inner, const BlockRow *row, const char *resources)
         inner->library = system_load(path, &reason);
     }
     if (inner->library == NULL) {
-        container_say(c, fmi2Error, "logStatusError", inner->name, ": its library cannot be loaded: ", reason, NULL);
+        (void)REFUSE(c, inner->name, ": its library cannot be loaded: ", reason);
         return false;
     }
     for (size_t i = 0; i < sizeof functions / sizeof functions[0]; ++i) {
         void *const found = system_find(inner->library, functions[i].name);
         if (found == NULL && i < NEEDED) {
-            container_say(c, fmi2Error, "logStatusError", inner->name, ": its library lacks ", functions[i].name, NULL);
+            (void)REFUSE(c, inner->name, ": its library lacks ", functions[i].name);
             return false;
         }
         memcpy((char *)inner + functions[i].place, &found, sizeof found);
@@ -148,7 +148,7 @@ bool inner_open(Inner *inner, const BlockRow *row, const char *resources, fmi2Bo
     inner->instance =
         inner->instantiate(inner->name, fmi2CoSimulation, c->text + row->guid, uri, &inner->calls, visible, log);
     if (inner->instance == NULL) {
-        container_say(c, fmi2Error, "logStatusError", inner->name, ": fmi2Instantiate gave no instance", NULL);
+        (void)REFUSE(c, inner->name, ": fmi2Instantiate gave no instance");
     }
     return inner->instance != NULL;
 }
@@ -180,12 +180,6 @@ fmi2Status inner_done(Inner *inner, fmi2Status status, const char *function)
     return told;
 }
 
-static fmi2Status lacks(Inner *inner, const char *function)
-{
-    container_say(inner->container, fmi2Error, "logStatusError", inner->name, ": its library lacks ", function, NULL);
-    return fmi2Error;
-}
-
 const char *const GETTERS[KINDS] = {"fmi2GetReal", "fmi2GetInteger", "fmi2GetBoolean", "fmi2GetString"};
 const char *const SETTERS[KINDS] = {"fmi2SetReal", "fmi2SetInteger", "fmi2SetBoolean", "fmi2SetString"};
 
@@ -196,7 +190,10 @@ fmi2Status inner_access(Inner *inner, bool sets, uint32_t kind, const fmi2ValueR
     if (inner->lost) {
         return fmi2Fatal;
     }
-    return function == NULL ? lacks(inner, name) : inner_done(inner, function(inner->instance, r, n, values), name);
+    if (function == NULL) {
+        return REFUSE(inner->container, inner->name, ": its library lacks ", name);
+    }
+    return inner_done(inner, function(inner->instance, r, n, values), name);
 }
 
 fmi2Status inner_get(Inner *inner, uint32_t kind, fmi2ValueReference reference, double *value)
@@ -214,9 +211,7 @@ fmi2Status inner_set(Inner *inner, uint32_t kind, fmi2ValueReference reference, 
     if (kind != KIND_REAL && value > -2147483649.0 && value < 2147483648.0) {
         whole = (fmi2Integer)value;
     } else if (kind != KIND_REAL) {
-        container_say(inner->container, fmi2Error, "logStatusError", inner->name, ": ", SETTERS[kind],
-                      ": found a value that its type cannot hold", NULL);
-        return fmi2Error;
+        return REFUSE(inner->container, inner->name, ": ", SETTERS[kind], ": found a value that its type cannot hold");
     }
     return inner_access(inner, true, kind, &reference, 1, kind == KIND_REAL ? (void *)&value : (void *)&whole);
 }

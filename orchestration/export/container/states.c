@@ -17,12 +17,6 @@ typedef struct {
 
 static const char MARK[8] = "CNTNRst";
 
-static fmi2Status refuse(const Container *c, const char *function, const char *what)
-{
-    container_say(c, fmi2Error, "logStatusError", function, ": ", what, NULL);
-    return fmi2Error;
-}
-
 static bool ours(const Container *c, const Saved *saved)
 {
     return saved != NULL && memcmp(saved->beginning.mark, MARK, sizeof MARK) == 0 &&
@@ -33,14 +27,14 @@ static bool ours(const Container *c, const Saved *saved)
 static Saved *place(Container *c, fmi2FMUstate *state, const char *function)
 {
     if (state == NULL || (*state != NULL && !ours(c, *state))) {
-        refuse(c, function, "expected NULL or a state of this FMU to write over");
+        (void)REFUSE(c, function, ": ", "expected NULL or a state of this FMU to write over");
         return NULL;
     }
     if (*state == NULL) {
         const size_t bus = c->head.outputs * sizeof(double);
         Saved *made = c->host.calls.allocateMemory(1, sizeof *made + bus + c->head.blocks * sizeof *made->inner);
         if (made == NULL) {
-            refuse(c, function, "allocateMemory gave no memory");
+            (void)REFUSE(c, function, ": ", "allocateMemory gave no memory");
             return NULL;
         }
         memset(made, 0, sizeof *made + bus + c->head.blocks * sizeof *made->inner);
@@ -59,7 +53,7 @@ static Inner *able(Container *c, uint32_t i, const char *function, fmi2Status *s
     Inner *inner = &c->inner[i];
     const bool can = inner->get_state != NULL && inner->set_state != NULL && inner->free_state != NULL &&
                      inner->state_size != NULL && inner->write_state != NULL && inner->read_state != NULL;
-    *status = inner->lost ? fmi2Fatal : can ? fmi2OK : refuse(c, function, "a library inside has no states");
+    *status = inner->lost ? fmi2Fatal : can ? fmi2OK : REFUSE(c, function, ": ", "a library inside has no states");
     return *status == fmi2OK ? inner : NULL;
 }
 
@@ -98,7 +92,7 @@ fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state)
     const Saved *saved = state;
     fmi2Status status = fmi2OK;
     if (!ours(c, saved)) {
-        return refuse(c, "fmi2SetFMUstate", "expected a state that fmi2GetFMUstate of this FMU gave");
+        return REFUSE(c, "fmi2SetFMUstate", ": ", "expected a state that fmi2GetFMUstate of this FMU gave");
     }
     for (uint32_t i = 0; i < c->head.blocks && status == fmi2OK; ++i) {
         Inner *inner = able(c, i, "fmi2SetFMUstate", &status);
@@ -121,7 +115,7 @@ fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *state)
     Saved *saved = *state;
     fmi2Status status = fmi2OK;
     if (!ours(c, saved)) {
-        return refuse(c, "fmi2FreeFMUstate", "expected a state that fmi2GetFMUstate of this FMU gave");
+        return REFUSE(c, "fmi2FreeFMUstate", ": ", "expected a state that fmi2GetFMUstate of this FMU gave");
     }
     for (uint32_t i = 0; i < c->head.blocks; ++i) {
         Inner *inner = &c->inner[i];
@@ -145,7 +139,7 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate stat
     Saved *saved = state;
     fmi2Status status = fmi2OK;
     if (!ours(c, saved) || size == NULL) {
-        return refuse(c, function, "expected a state of this FMU and a place for its size");
+        return REFUSE(c, function, ": ", "expected a state of this FMU and a place for its size");
     }
     *size = sizeof(Beginning) + c->head.outputs * sizeof(double);
     for (uint32_t i = 0; i < c->head.blocks && status == fmi2OK; ++i) {
@@ -167,7 +161,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fm
     size_t needed = 0, at = sizeof(Beginning), one = 0;
     fmi2Status status = fmi2SerializedFMUstateSize(c, state, &needed);
     if (status == fmi2OK && (bytes == NULL || size < needed)) {
-        return refuse(c, function, "expected a buffer of fmi2SerializedFMUstateSize bytes");
+        return REFUSE(c, function, ": ", "expected a buffer of fmi2SerializedFMUstateSize bytes");
     }
     if (status != fmi2OK) {
         return status;
@@ -197,13 +191,13 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
     Beginning beginning;
     size_t at = sizeof beginning + c->head.outputs * sizeof(double);
     if (bytes == NULL || size < at) {
-        return refuse(c, function, expected);
+        return REFUSE(c, function, ": ", expected);
     }
     memcpy(&beginning, bytes, sizeof beginning);
     beginning.guid[sizeof beginning.guid - 1] = '\0';
     if (memcmp(beginning.mark, MARK, sizeof MARK) != 0 || strcmp(beginning.guid, c->head.guid) != 0 ||
         beginning.kept.mode > MODE_TERMINATED || beginning.kept.count < 0) {
-        return refuse(c, function, expected);
+        return REFUSE(c, function, ": ", expected);
     }
     const bool made = state != NULL && *state == NULL;
     Saved *saved = place(c, state, function);
@@ -221,7 +215,7 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
             at += sizeof length;
         }
         if (inner != NULL && length > size - at) {
-            status = refuse(c, function, expected);
+            status = REFUSE(c, function, ": ", expected);
         } else if (inner != NULL) {
             const fmi2Status now = inner->read_state(inner->instance, bytes + at, (size_t)length, &saved->inner[i]);
             status = inner_done(inner, now, function);

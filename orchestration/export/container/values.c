@@ -20,11 +20,9 @@ static fmi2Status pass_values(Container *c, bool sets, Kind kind, const fmi2Valu
         for (; i + count < n && count < TOGETHER; ++count) {
             const VariableRow *row = r[i + count] < c->head.variables ? &c->variables[r[i + count]] : NULL;
             if (row == NULL || row->kind != (uint32_t)kind || (sets && !row->settable)) {
-                container_say(c, fmi2Error, "logStatusError", sets ? SETTERS[kind] : GETTERS[kind],
+                return REFUSE(c, sets ? SETTERS[kind] : GETTERS[kind],
                               sets ? ": there is no parameter or free input with this value reference"
-                                   : ": there is no variable of this type with this value reference",
-                              NULL);
-                return fmi2Error;
+                                   : ": there is no variable of this type with this value reference");
             }
             if (count > 0 && row->block != block) {
                 break;
