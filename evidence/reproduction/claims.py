@@ -25,13 +25,7 @@ class Claim:
     below: bool = True
     implied: bool = False
     """Not said in words, but implied by what is."""
-    of_limits: bool = False
-    """Has no meaning for actuators without limits."""
     show: Callable[[float], str] = lambda value: f"{value:.3g}"
-    short: str = ""
-    """What it is about, in a word."""
-    graded: bool = True
-    """Whether its margin says anything."""
 
     def margin(self, seen: Seen) -> Array:
         """Positive where the claim holds; NaN where there is no value, and then it does not hold."""
@@ -62,12 +56,9 @@ VB = (
         ORBIT / 30,
         "s",
         show=_settled,
-        short="settling",
     ),
-    Claim("each torquer's dipole", "below 15 A m²", lambda s: s.dipole, 15.0, "A m²", short="dipole"),
-    Claim(
-        "wheel momentum", "below 3.5 mN m s", lambda s: 1e3 * s.wheel_momentum, 3.5, "mN m s", short="wheel momentum"
-    ),
+    Claim("each torquer's dipole", "below 15 A m²", lambda s: s.dipole, 15.0, "A m²"),
+    Claim("wheel momentum", "below 3.5 mN m s", lambda s: 1e3 * s.wheel_momentum, 3.5, "mN m s"),
     Claim(
         "least |b₁|, the field along the wheel",
         "never near zero",
@@ -75,7 +66,6 @@ VB = (
         0.1,
         below=False,
         show=lambda v: f"{v:.3f}" if v else "crosses zero",
-        short="b₁",
     ),
     Claim(
         "inputs are held",
@@ -83,10 +73,7 @@ VB = (
         lambda s: (s.holds > 0).astype(float),
         0.5,
         implied=True,
-        of_limits=True,
         show=_yes,
-        short="no hold",
-        graded=False,
     ),
 )
 VC = (
@@ -97,9 +84,8 @@ VC = (
         ORBIT / 20,
         "s",
         show=_settled,
-        short="settling",
     ),
-    Claim("wheel momentum", "below 4 mN m s", lambda s: 1e3 * s.wheel_momentum, 4.0, "mN m s", short="wheel momentum"),
+    Claim("wheel momentum", "below 4 mN m s", lambda s: 1e3 * s.wheel_momentum, 4.0, "mN m s"),
     Claim(
         "b₁ crosses zero once, at",
         "a short while after the start",
@@ -107,8 +93,6 @@ VC = (
         30.0,
         "s",
         show=lambda v: f"{v:.1f}" if math.isfinite(v) else "never, or more than once",
-        short="b₁'s crossing",
-        graded=False,
     ),
     Claim(
         "a torquer's largest demand in the hold",
@@ -117,9 +101,6 @@ VC = (
         0.8 - 1e-12,
         "times its limit",
         below=False,
-        of_limits=True,
-        short="demand in the hold",
-        graded=False,
     ),
     Claim(
         "what is held",
@@ -129,9 +110,6 @@ VC = (
         "A m²",
         below=False,
         implied=True,
-        of_limits=True,
-        short="running command",
-        graded=False,
     ),
     Claim(
         "the hold is released at",
@@ -141,19 +119,13 @@ VC = (
         "s",
         implied=True,
         show=lambda v: f"{v:.1f}" if math.isfinite(v) else "never",
-        of_limits=True,
-        short="release",
-        graded=False,
     ),
     Claim(
         "a torquer saturates",
         "none does",
         lambda s: s.saturated,
         0.5,
-        of_limits=True,
         show=_yes,
-        short="saturation",
-        graded=False,
     ),
 )
 CLAIMS = {"V.B": VB, "V.C": VC}

@@ -7,24 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from design.loop import read
-
 from .. import markdown
-from ..paper import LIMITS, SCENARIOS, Array
-from . import equilibria, sweep
+from ..paper import LIMITS, Array
+from . import sweep
 from .bounds import NODES
 from .claims import CLAIMS, HOLDS, all_hold, hold_outcome
 from .convergence import RATE_MAX
 
 
 def bound(done: dict[str, Any]) -> dict[str, Any]:
-    at = int(np.flatnonzero(NODES == 160.0)[0])
-    rows, verdicts = [], []
+    rows = []
     for which in CLAIMS:
         limit, claimed = LIMITS[which]
         for dipole in (limit, 25.0):
             times = done[f"{which}: bound {dipole:g} A m2"]
-            v = times.at_claim[at]
             gaps = [x.gap for x in times.at_claim]
             short = [gap for gap in gaps if gap > 0.0]
             rows.append(
@@ -32,21 +28,14 @@ def bound(done: dict[str, Any]) -> dict[str, Any]:
                     which,
                     f"{dipole:g}",
                     f"{claimed:.0f}",
-                    *(f"{x:.3f}" for x in (v.needed, v.impulse, v.slack)),
-                    f"{v.gap:.3f}" if v.gap > 0.0 else "not excluded",
                     f"{len(short)} of {len(gaps)}"
                     + (f", short by {min(short):.3f} to {max(short):.3f}" if short else ""),
                     _spread(times.least),
-                    _spread(times.simple),
                 ]
             )
-            where = {0: "at no longitude", len(gaps): "at every longitude"}
-            place = where.get(len(short), f"at {len(short)} longitudes of {len(gaps)}")
-            verdicts.append(f"{which}'s {claimed:.0f} s at {dipole:g} A m² {place}")
     return {
         "bound": rows,
         "bound_nodes": len(NODES),
-        "bound_verdict": ", ".join(verdicts),
         "mass_vb": _spread(done["V.B: bound per mass"].least),
         "mass_vc": _spread(done["V.C: bound per mass"].least),
     }
@@ -85,12 +74,6 @@ def latch(done: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _complex(value: complex) -> str:
-    if abs(value.imag) < 1e-12:
-        return f"{value.real:+.5f}"
-    return f"{value.real:+.5f} ± {abs(value.imag):.5f}i"
-
-
 def convergence(done: dict[str, Any]) -> dict[str, Any]:
     c, e, edge = (done[k] for k in ("random starts, constant", "random starts, error", "starts at the edge"))
     rose = e.steps_up > 0
@@ -103,18 +86,9 @@ def convergence(done: dict[str, Any]) -> dict[str, Any]:
         [gains, markdown.finite(f.converged), f"{np.nanmedian(f.converged):.0f}, {np.nanmax(f.converged):.0f}", *v]
         for gains, f, v in zip(("constant", "[10], following the errors"), (c, e), of_v, strict=True)
     ]
-    paper = read(SCENARIOS["V.B"]).loop.controller
-    rests = []
-    for which, name in enumerate(equilibria.EQUILIBRIA):
-        law = equilibria.at_rest(paper, which)
-        expected = equilibria.analytic_eigenvalues(law.J_B, law.kappa0 * law.K0, law.lambda0 * law.L0, which)
-        difference = np.abs(expected - equilibria.measured_eigenvalues(law, which)).max()
-        shown = dict.fromkeys(_complex(v) for v in expected)
-        rests.append([name, f"{int((expected.real > 0.0).sum())}", ", ".join(shown), f"{difference:.0e}"])
     return {
         "rate_max": f"{RATE_MAX:g}",
         "convergence": rows,
-        "equilibria": rests,
         "edge": markdown.finite(edge.converged),
         "edge_last": f"{np.nanmax(edge.converged):.0f}",
     }

@@ -16,7 +16,7 @@ from plant.orbit import lvlh
 from ..crew import Crew
 from ..paper import DURATION, INERTIA, MASS, ORBIT, READINGS, SCENARIOS, STEP, Array, constants, node
 from ..samples import wrong_inertias
-from .claims import CLAIMS, all_hold
+from .claims import all_hold
 from .runs import sweep
 from .seen import Seen
 
@@ -123,8 +123,8 @@ def _both(
     return {which: sweep(hands, name, which, changes, step, duration) for which in SCENARIOS}
 
 
-def interval(constant: Constant, which: str, seen: Seen) -> tuple[float, float, str, str] | None:
-    """Ends of the values around the nominal one for which every claim holds, and what fails first beyond each.
+def interval(constant: Constant, which: str, seen: Seen) -> tuple[float, float] | None:
+    """Ends of the values around the nominal one for which every claim holds.
 
     None where the nominal itself does not hold every claim.
     """
@@ -140,17 +140,7 @@ def interval(constant: Constant, which: str, seen: Seen) -> tuple[float, float, 
             i += step
         return i
 
-    def beyond(i: int) -> str:
-        return _failing(which, seen, i % n) if circle or 0 <= i < n else ""
-
-    low, high = end(-1), end(1)
-    return float(constant.values[low % n]), float(constant.values[high % n]), beyond(low - 1), beyond(high + 1)
-
-
-def _failing(which: str, seen: Seen, at: int) -> str:
-    if seen.latched[at] == 1:
-        return "the hold latches"
-    return ", ".join(c.short for c in CLAIMS[which] if not c.holds(seen)[at])
+    return float(constant.values[end(-1) % n]), float(constant.values[end(1) % n])
 
 
 # ---------------------------------------------------------------- robustness

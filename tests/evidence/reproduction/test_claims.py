@@ -98,15 +98,13 @@ def test_the_interval_of_a_constant_ends_where_a_claim_is_lost():
     settled = np.full(n, 180.0)
     settled[0], settled[-2:] = 200.0, math.nan
     runs = seen(n, **{k: np.full(n, v) for k, v in GOOD["V.B"].items()} | {"settled": settled})
-    assert interval(constant, "V.B", runs) == (2006.0, 2013.0, "settling", "settling")
+    assert interval(constant, "V.B", runs) == (2006.0, 2013.0)
 
 
-def test_the_interval_of_a_longitude_goes_round_and_a_latch_is_named():
+def test_the_interval_of_a_longitude_goes_round():
     constant = ONE_BY_ONE[0]
     n = len(constant.values)
     settled = np.full(n, 180.0)
     settled[170:300] = 200.0
-    latched = np.zeros(n)
-    latched[299] = 1.0
-    runs = seen(n, **{k: np.full(n, v) for k, v in GOOD["V.B"].items()} | {"settled": settled, "latched": latched})
-    assert interval(constant, "V.B", runs) == (300.0, 169.0, "the hold latches", "settling")
+    runs = seen(n, **{k: np.full(n, v) for k, v in GOOD["V.B"].items()} | {"settled": settled})
+    assert interval(constant, "V.B", runs) == (300.0, 169.0)
