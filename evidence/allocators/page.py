@@ -72,7 +72,7 @@ def text(done: Mapping[str, Flown]) -> str:
         wheel_weight_ff=f"{start['wheel_weight_ff']:g}",
         header="|".join(["", "allocator", *COLUMNS]),
         mass=rows(done, "a"),
-        si=rows(done, "c"),
+        si=markdown.finite(np.concatenate([done[f"{w} {name} c"].settled for w in SCENARIOS for name in ALLOCATORS])),
         weights_header="|".join(["`wheel_weight`", *(f"{w}: {h}" for w in SCENARIOS for h in _OF_WEIGHTS)]),
         weights=_weights(done, start["wheel_weight"]),
         best=f"{max(WEIGHTS, key=lambda w: sum(f.kept.sum() for f in _of_weight(done, w))):g}",

@@ -32,13 +32,13 @@ def text(flights: Sequence[Flight]) -> str:
     return markdown.render(
         Path(__file__).parent,
         **{
-            table: [columns[table](row, them) for row, them in (_joined(them) if table == RODS else them)]
+            table: [columns[table](row, them) for row, them in (_joined(them) if table in (RODS, UNSEARCHED) else them)]
             for table, them in rows.items()
         },
         flown=len(flights),
         found=finite(_column(failing, "found_s")),
         settled=finite(_column(failing, "settled_s")),
-        wrong=[f"{f.row}, flight {f.run}: `{'`, `'.join(f.others.split())}`" for f in searched if f.others],
+        wrong=sum(bool(f.others) for f in searched),
         failed=[f"{f.row}, flight {f.run}: {f.remark}" for f in flights if f.remark],
     )
 

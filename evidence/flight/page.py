@@ -17,6 +17,7 @@ from .kept import Flights, angle, quantile
 from .schemes import TUNED
 
 NAMES = {"nominal": "nominal", "errors": "all errors"}
+_WHEEL, _ERROR = ("wheel_max_mNms", "later_wheel_mNms"), ("later_rms_deg", "later_max_deg")
 SCHEMES = {"": "planned", " tuned": "law [8], tuned", " paper": "the paper's scheme"}
 
 
@@ -28,9 +29,12 @@ def text(flights: Flights) -> str:
         for g in NAMES
     ]
     beside = {s: finite(np.concatenate([flights.times(f"{g} {s}") for g in NAMES])) for s in ("tuned", "paper")}
+    tried = conditions.tried(flights)
+    sound = [
+        row for row in tried if row[1] == finite(np.zeros(len(flights.of("as nominal")))) and row[5:] == ["0", "0"]
+    ]
     return markdown.render(
         Path(__file__).parent,
-        cases=len(flights.lines),
         trial="" if n >= 1000 else " and ".join(f"{len(flights.of(g))} ({name})" for g, name in NAMES.items()),
         rate_max=f"{math.degrees(RATE_MAX):.0f}",
         verdicts=verdicts,
@@ -50,7 +54,8 @@ def text(flights: Flights) -> str:
         hold_orbits=HOLD_ORBITS,
         holds=_holds(flights),
         tries=len(flights.of("as nominal")),
-        tried=conditions.tried(flights),
+        tried=[row for row in tried if row not in sound],
+        sound=[[what, *row] for what, _, *row, _, _ in sound],
         pairings=conditions.pairings(flights),
         failure_rates="; ".join(_failure_rate(flights, g) for g in NAMES).capitalize(),
         seeds=SEEDS,
@@ -117,14 +122,12 @@ def _manoeuvres(flights: Flights) -> list[list[str]]:
     return rows
 
 
-def _holds(flights: Flights) -> list[list[str]]:
-    return [
-        [line["node_deg"]]
-        + [f"{float(line[name]):.1f}" for name in ("wheel_max_mNms", "later_wheel_mNms")]
-        + [degrees(float(line[name])) for name in ("later_rms_deg", "later_max_deg")]
-        for line in flights.of("hold")
-        if line["later_rms_deg"]
-    ]
+def _holds(flights: Flights) -> dict[str, str]:
+    """The worst over the nodes."""
+    most = {name: float(flights.column("hold", name).max()) for name in (*_WHEEL, *_ERROR)}
+    first, later = (f"{most[name]:.1f}" for name in _WHEEL)
+    rms, largest = (degrees(most[name]) for name in _ERROR)
+    return {"nodes": str(len(flights.of("hold"))), "first": first, "later": later, "rms": rms, "largest": largest}
 
 
 def _failure_rate(flights: Flights, group: str) -> str:

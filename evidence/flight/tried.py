@@ -149,7 +149,7 @@ TRIED = (
     ),
     Tried(
         "products unknown",
-        "the same up to 10% away, not known",
+        "inertia up to 10% away, not known",
         draw=BODY,
         vary=lambda: {"plant.J_error_B": f"{body(0.1)} - diag({list(INERTIA)})"},
     ),
@@ -169,7 +169,7 @@ TRIED = (
     Tried("rate noise", "noise of 5·10⁻⁴ rad/s on the rate, not known", _start(sensors__rate_noise=5e-4)),
     Tried(
         "rate noise known",
-        "the same, known (`rate_noise`)",
+        "noise of 5·10⁻⁴ rad/s on the rate, known (`rate_noise`)",
         _start(sensors__rate_noise=5e-4, controller__rate_noise=5e-4),
     ),
     Tried(
@@ -207,11 +207,11 @@ TRIED = (
             data, {f"{block}.rod_limits": [1, 1, 0.4] for block in ("plant", "controller", "allocator")}
         ),
     ),
-    Tried("rod 3 limited unknown", "the same, not known", _start(plant__rod_limits=[1, 1, 0.4])),
+    Tried("rod 3 limited unknown", "rod 3 gives 10 A m² at most, not known", _start(plant__rod_limits=[1, 1, 0.4])),
     Tried("wheel stuck", "the wheel does not turn, not known", _start(plant__wheel_torque_max=0.0)),
     Tried("no u_applied", "`u_applied` not connected", _lost("controller.u_applied")),
     Tried("no h_w", "`h_w` of the controller not connected", _lost("controller.h_w")),
-    Tried("neither", "neither of the two", _lost("controller.u_applied", "controller.h_w")),
+    Tried("neither", "neither `u_applied` nor `h_w` connected", _lost("controller.u_applied", "controller.h_w")),
     Tried("no feed-forward", "no feed-forward to the allocator", _lost(*FEED_FORWARD)),
     Tried("no b_B", "`b_B` of the controller not connected", _lost("controller.b_B")),
     Tried("dipole on board", "a dipole as onboard field model", _start(controller__field_degree=1)),
@@ -219,7 +219,7 @@ TRIED = (
     Tried("no feed-forward errors", "all errors, no feed-forward to the allocator", _lost(*FEED_FORWARD), errors=True),
     Tried(
         "no feed-forward by demand errors",
-        "the same, and the allocator does not empty the wheel by itself (`desaturation_time` 10⁹ s, "
+        "all errors, no feed-forward, and the allocator does not empty the wheel by itself (`desaturation_time` 10⁹ s, "
         "`wheel_weight` 0.02)",
         _by_demand,
         errors=True,

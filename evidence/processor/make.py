@@ -53,6 +53,7 @@ def fields(flights: Sequence[Flight]) -> dict[str, object]:
         "bounds": [f"`{block}` {_thousands(bound)}" for block, bound in BOUNDS.items()],
         "sizes": [_size(f) for f in flights],
         "calls": [_calls(f) for f in flights],
+        "same": f"{sum(not f.differing for f in flights)} of {len(flights)}",
         "bits": [(f.block, f"`{f.scenario}`", str(f.samples), _same(f)) for f in flights],
     }
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from .. import markdown
 from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..plots import BLUE, RED, name_axes, panels
-from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
+from .classes import ALL, DURATION, EARLY, Satellite
 from .kept import (
     CONDITIONS,
     NAMES,
@@ -44,8 +44,7 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
     return markdown.render(
         Path(__file__).parent,
         data=[_data(name, it) for name, it in ALL.items()],
-        classes=[_row(flights, name, kind) for name in CLASSES for kind in CONDITIONS],
-        variants=[_row(flights, name, kind) for name in ALL if name not in CLASSES for kind in CONDITIONS],
+        flown=[_row(flights, name) for name in ALL],
         cases=len(flights.lines),
         settled_with_wheel=int(np.isfinite(times).sum()),
         with_wheel=len(of_wheel),
@@ -71,17 +70,21 @@ def _data(name: str, it: Satellite) -> list[str]:
     return [name, ", ".join(f"{m:.3g}" for m in it.moments), f"{it.dipole_max:g}", *of_wheel, axis, f"{it.time:.0f}"]
 
 
-def _row(flights: Flights, name: str, condition: str) -> list[str]:
-    """Returns what became of a satellite's tumbles under a condition."""
-    lines = flights.of(name, condition)
+def _row(flights: Flights, name: str) -> list[str]:
+    """Returns what became of a satellite's tumbles."""
+    settled, median, _, worst, *_ = _became(flights.of(name, "nominal"))
+    return [name, settled, median, worst, *_became(flights.of(name, "errors"))]
+
+
+def _became(lines: Sequence[Mapping[str, str]]) -> list[str]:
+    """Returns how many settled, when, how many were lost again, and their hold."""
     times, lost = settling_times(lines), are_lost(lines)
     well = np.isfinite(times)
     held = column(lines, "hold_rms_deg")[well]
     spread = [f"{np.quantile(times, q, method='higher'):,.0f}" if well.any() else "–" for q in (0.5, 0.9, 1.0)]
     hold = [degrees(float(f(held))) for f in (np.median, np.max)] if well.any() else ["–", "–"]
     again = f"{lost.sum()}, to {degrees(float(column(lines, 'later_max_deg')[lost].max()))}" if lost.any() else "0"
-    shown = [f"{well.sum()} of {len(lines)}", *(s.replace("inf", "–") for s in spread), again, *hold]
-    return [name, NAMES[condition], *shown]
+    return [f"{well.sum()} of {len(lines)}", *(s.replace("inf", "–") for s in spread), again, *hold]
 
 
 def _by_inclination(flights: Flights) -> list[list[str]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from evidence import files
-from evidence.verification.page import FILE, Line
+from evidence.verification.page import FILE, Line, row
 from tests.authorities import load
 
 AUTHORITIES = load()
@@ -31,4 +31,5 @@ def test_the_page_has_every_authority_as_it_is_here():
     for authority in AUTHORITIES:
         found = kept[authority.what]
         assert (found.expected, found.tolerance) == pytest.approx((authority.expected, authority.tolerance), rel=1e-4)
-        assert f"| {' | '.join(found.row)} |" in page
+    for subject in {line.subject for line in kept.values()}:
+        assert f"| {' | '.join(row(subject, [x for x in kept.values() if x.subject == subject]))} |" in page

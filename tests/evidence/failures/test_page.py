@@ -48,10 +48,10 @@ def test_below_five_degrees_too_late_does_not_count_as_soon():
     assert row.strip("| ").split(" | ")[3:8] == ["400 s", "2 of 2", "0.052", "1.000", "1 of 2"]
 
 
-def test_another_rod_that_was_told_is_named():
+def test_a_flight_in_which_another_rod_was_reported_is_counted():
     rod = name("rod 2 dead")
-    assert "rod 2 dead, from the start, 1 uN m, flight 0: `rod_1`, `field_failed`" in page.text(
-        [flight(rod, others="rod_1 field_failed")]
+    assert "**Wrong reports** in 1 of 2 flights" in page.text(
+        [flight(rod, others="rod_1 field_failed"), flight(rod, run=1)]
     )
     assert "No wrong report in 1 flights" in page.text([flight(rod)])
 
