@@ -13,7 +13,7 @@ import numpy as np
 from .. import markdown
 from ..flight.cases import LOST
 from ..flight.kept import angle, quantile
-from ..markdown import finite, orbits
+from ..markdown import finite
 from ..paper import ORBIT, Array
 from .kept import Flight
 from .rows import OTHERS, RODS, ROWS, SENSORS, UNSEARCHED, WHEEL, Row
@@ -67,11 +67,6 @@ def _found(times: Array) -> list[str]:
     return [finite(times), *spread]
 
 
-def _spread(times: Array) -> list[str]:
-    """How many, the median and the worst of all, orbits."""
-    return [finite(times), *(orbits(quantile(times, q) / ORBIT) for q in (0.5, 1.0))]
-
-
 def _hold(flights: Sequence[Flight]) -> list[str]:
     """Returns the rms at the median, and the largest angle."""
     rms, largest = (_column(flights, name) for name in ("hold_rms_deg", "hold_max_deg"))
@@ -80,14 +75,19 @@ def _hold(flights: Sequence[Flight]) -> list[str]:
 
 
 def _rod(row: Row, flights: Sequence[Flight]) -> list[str]:
-    found, settled = _found(_column(flights, "found_s")), _spread(_column(flights, "settled_s"))
-    return [row.text, _torque(row), *found, *settled, *_hold(flights)]
+    settled = finite(_column(flights, "settled_s"))
+    return [row.text, _torque(row), *_found(_column(flights, "found_s")), settled, *_hold(flights)]
 
 
 def _other(row: Row, flights: Sequence[Flight]) -> list[str]:
     times = _column(flights, "settled_s")
-    spread = [f"{t:,.0f} s" if math.isfinite(t := quantile(times, q)) else "not settled" for q in (0.5, 1.0)]
-    return [row.text, *_found(_column(flights, "found_s")), finite(times), *spread, *_hold(flights)]
+    return [
+        row.text,
+        *_found(_column(flights, "found_s")),
+        finite(times),
+        f"{quantile(times, 0.5):,.0f} s",
+        *_hold(flights),
+    ]
 
 
 def _sensor(row: Row, flights: Sequence[Flight]) -> list[str]:
@@ -96,7 +96,7 @@ def _sensor(row: Row, flights: Sequence[Flight]) -> list[str]:
 
 
 def _unsearched(row: Row, flights: Sequence[Flight]) -> list[str]:
-    return [row.text, _torque(row), *_spread(_column(flights, "settled_s")), *_hold(flights)]
+    return [row.text, _torque(row), finite(_column(flights, "settled_s")), *_hold(flights)]
 
 
 def _wheel(row: Row, flights: Sequence[Flight]) -> list[str]:
@@ -105,7 +105,7 @@ def _wheel(row: Row, flights: Sequence[Flight]) -> list[str]:
         row.text,
         _torque(row),
         *_found(_column(flights, "found_s"))[1:],
-        *_spread(_column(flights, "within_15_s")),
+        finite(_column(flights, "within_15_s")),
         finite(soon),
         *_hold(flights),
     ]

@@ -39,7 +39,7 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
     excluded = {each.tumble: each.share for each in bounds if each.excluded}
     of_wheel = [line for line in flights.lines if ALL[line["satellite"]].has_wheel]
     times = settling_times(of_wheel)
-    steep = column(of_wheel, "inclination_deg") > STEEP
+    steep = column(of_wheel, "inclination_deg") >= STEEP
     missed = not_settled(flights)
     return markdown.render(
         Path(__file__).parent,
