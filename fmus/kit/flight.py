@@ -24,7 +24,7 @@ from .fill import filled
 from .vectors import header
 
 SUMS = "SHA256SUMS"
-REPORT = "docs/evidence/proofs.md"
+REPORTS = ("docs/evidence/proofs.md", "evidence/proofs/arguments.yaml", "evidence/proofs/deviations.yaml")
 _LICENCE = [{"license": {"id": "BSD-3-Clause"}}]
 
 
@@ -53,8 +53,8 @@ def write(interface: Interface, block: Path, folder: Path) -> list[Path]:
     files["vectors/vectors.h"] = header(interface, block, 0).encode()
     files["vectors/vectors.h"] = header(interface, block, _bits(files)).encode()
     files["LICENSE"] = places.shared("LICENSE").read_bytes()
-    if (report := places.shared(REPORT)).exists():
-        files["reports/proofs.md"] = report.read_bytes()
+    reports = [report for name in REPORTS if (report := places.shared(name)).exists()]
+    files |= {f"reports/{report.name}": report.read_bytes() for report in reports}
     files["bom.cdx.json"] = _bill(interface, block, listed["version"], files)
     sums = "".join(f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in sorted(files.items()))
     digest = hashlib.sha256(sums.encode()).hexdigest()

@@ -107,6 +107,7 @@ def test_the_bill_of_materials_is_cyclonedx_and_lists_every_file(tmp_path: Path)
     assert files - names == {"README.md", "bom.cdx.json", "SHA256SUMS"}
     assert "ppigrf" in names  # from which the field's coefficients come
     assert (folder / "reports" / "proofs.md").read_text().startswith("<!--")
+    assert {path.name for path in (folder / "reports").iterdir()} == {"proofs.md", "arguments.yaml", "deviations.yaml"}
 
 
 def test_sha256sum_agrees_and_the_same_sources_give_the_same_folder(tmp_path: Path) -> None:
