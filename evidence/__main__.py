@@ -76,7 +76,7 @@ def verification() -> None:
 @_jobs
 @click.option("--case", "cases", multiple=True, type=click.Choice(tuple(margins_cases.CASES)), help="Only this hold.")
 @click.option("--page", is_flag=True, help="Write page and figure from docs/evidence/margins.json, without flying.")
-@click.option("--anew", is_flag=True, help="Fly again what is kept of the same scenarios and FMUs.")
+@click.option("--anew", is_flag=True, help="Fly again what is kept of the same scenarios and code.")
 def margins(jobs: int, cases: tuple[str, ...], page: bool, anew: bool) -> None:
     """Make docs/evidence/margins.md and its figure: margins along the orbit, equilibria, and what loses the hold."""
     if not page:

@@ -38,7 +38,7 @@ def section(facts: Facts, source: Source) -> Section:
     controller that plans, else the reason."""
     if _MISSING:
         return Section("Stability margins", notes=[f"Not measured: the package {_MISSING!r} is not installed."])
-    port = f"{facts.plant}.wheel_torque_cmd" if facts.satellite.p.is_set else f"{facts.plant}.dipole_cmd"
+    port = _port(facts)
     for starts in (*studies.perfect(facts), studies.hold(facts)):
         for block, values in starts.items():
             for name, value in values.items():
@@ -50,12 +50,13 @@ def section(facts: Facts, source: Source) -> Section:
             plan = session.opened.plan
             rig = Rig(session, site(plan, (port,)), round(loaded.duration / plan.clock.step))
             if facts.controller == "controller_planned":
-                return _followed(facts, rig, port)
+                why = "controller_planned solves a new plan at its own times, so the loop has no margins of a moment"
+                return _followed(facts, rig, port, why)
             response = measure(rig)
+            if response.refused:
+                return _followed(facts, rig, port, f"At {port} the loop has no margins: {response.refused}")
     except (InputError, BlockError) as error:
         return Section("Stability margins", notes=[f"Not measured at {port}: {error}"])
-    if response.refused:
-        return Section("Stability margins", notes=[f"At {port} the loop has no margins: {response.refused}"])
     note = f"In the hold, at {port}, on an attitude that is measured to 0.01 deg: noise of sensors would hide the loop."
     found = Found.of(loaded.name, loaded.duration, response)
     return Section(
@@ -65,21 +66,28 @@ def section(facts: Facts, source: Source) -> Section:
     )
 
 
-def _followed(facts: Facts, rig: Rig, port: str) -> Section:
-    """Returns what is left of disturbances of a controller that plans, which has no margins of a moment."""
+def _port(facts: Facts) -> str:
+    """Returns where the loop is opened: at the torque that a law demands, else at the wheels or the rods."""
+    demand = f"{facts.blocks.get(facts.controller)}.tau_cmd_B"
+    if facts.controller != "controller_planned" and any(str(c.source) == demand for c in facts.scenario.connections):
+        return demand
+    return f"{facts.plant}.wheel_torque_cmd" if facts.satellite.p.is_set else f"{facts.plant}.dipole_cmd"
+
+
+def _followed(facts: Facts, rig: Rig, port: str, why: str) -> Section:
+    """Returns what is left of disturbances where a loop has no margins of a moment, for this reason."""
     seen = coordinates(rig.session.opened.plan, [f"{facts.plant}.R_NB", f"{facts.plant}.omega_B"])
     pieces = max(round(PIECE / rig.period), 1)
     found = follow(rig, seen, round(LEFT / PIECE) * pieces, 3, pieces)
-    why = "controller_planned solves a new plan at its own times, so the loop has no margins of a moment. "
     if found.refused:
-        return Section("Stability margins", notes=[f"{why}Pulses at {port}: {found.refused}"])
+        return Section("Stability margins", notes=[f"{why}. Pulses at {port}: {found.refused}"])
     rows = [
         [f"{k * LEFT:g} s", f"{one.ratio:.3g}", f"{one.least:.3g} to {one.most:.3g}", f"{100 * one.error:.2g}%"]
         for k, one in enumerate(found.windows, start=1)
     ]
     note = (
-        f"{why}Left: attitude and rate after pulses at {port} over {LEFT:g} s beside those over the {LEFT:g} s before, "
-        "on an attitude that is measured to 0.01 deg. Below 1 the disturbance decays. "
+        f"{why}. Left: attitude and rate after pulses at {port} over {LEFT:g} s beside those over the {LEFT:g} s "
+        "before, on an attitude that is measured to 0.01 deg. Below 1 the disturbance decays. "
         "orchestrate margins --change seeks the gain, delay or parameter that loses the hold."
     )
     columns = ["after", "left", "of the pulses", "error"]

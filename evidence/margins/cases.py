@@ -46,6 +46,8 @@ STATE = ("plant.R_NB", "plant.omega_B", "plant.h_w")
 GAINS = ("plant.J_B", "controller.K0", "controller.L0", "plant.rod_gain")
 """Parameters on which the multipliers of the equilibria depend."""
 VB, USUAL, PLANNED = "V.B, paper's law", "usual law, four wheels", "planned, one wheel"
+AT_FIRST = "pointing below 1.5 deg from the start"
+"""The expectation of the planned hold that the first minutes may fail, in which a hold is not lost."""
 PLACES = tuple(range(0, 360, 45))
 """deg"""
 PIECE, FIFTH, SHORT, TURN = 20, 380, 400, 11580
@@ -158,13 +160,14 @@ def sensitive(parameter: str) -> list[dict[str, Any]]:
 
 def searched(name: str, text: str) -> list[dict[str, Any]]:
     """Returns between which values a change loses a hold: that of V.B by a pulse, a planned one by its expectations
-    over an orbit."""
+    over an orbit, but for the one of how the hold is taken up."""
     case = CASES[name]
     if case.followed:
         case = replace(case, values={**case.values, "duration": 0.5 * TURN})
     session, rig = opened(case, 0)
     with session:
-        holds = expectations_are_met(rig) if case.followed else pulse_dies_out(rig, 6000)
+        checks = [check for check in session.opened.plan.checks if check.expectation.name != AT_FIRST]
+        holds = expectations_are_met(rig, checks) if case.followed else pulse_dies_out(rig, 6000)
         found = lost(rig, Change.of(text), holds)
     return [{"case": name, **found.data(), "end": found.change.end}]
 

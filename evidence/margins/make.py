@@ -8,13 +8,17 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
+import zipfile
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
+from fmus.native import SHELL
 from orchestration import load
+from orchestration.fmu.archive import Fmu
 from orchestration.session.open import open_scenario
 
 from ..paper import ROOT
@@ -35,6 +39,8 @@ CHANGES = {
 }
 PARAMETERS = ("plant.rod_gain", "plant.J_B")
 """Those of the planned hold on which its decay per orbit depends."""
+_GENERATED = "block.h", "table.c"
+"""They have the FMU's identity, and its variables for FMI."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +59,8 @@ class Job:
 
     @cached_property
     def inputs(self) -> str:
-        """The hash of scenario, FMUs, case and arguments."""
+        """The hash of scenario, case and arguments, and of code and start values of the blocks, which a build that
+        changes none of them keeps."""
         case = CASES[self.hold]
         return _hash([_scenario(case.scenario), repr(case), repr(self.arguments)])
 
@@ -66,7 +73,17 @@ def _hash(data: Any) -> str:
 def _scenario(name: str) -> str:
     opened = open_scenario(load(ROOT / "scenarios" / f"{name}.yaml"))
     stated = opened.plan.scenario.model_dump(mode="json", exclude={"description", "figures", "live"})
-    return _hash([stated, {name: fmu.sha256 for name, fmu in opened.fmus.items()}])
+    return _hash([stated, {name: code(fmu) for name, fmu in opened.fmus.items()}])
+
+
+def code(fmu: Fmu) -> Any:
+    """Returns the start values of an FMU and its block's C, without comments, spaces and what makes an FMU of it."""
+    starts = {str(element): value for element, value in fmu.model.starts.items()}
+    with zipfile.ZipFile(fmu.path) as archive:
+        named = ((name, name.removeprefix("sources/")) for name in archive.namelist() if name.startswith("sources/"))
+        own = [name for name, file in named if file not in _GENERATED and not (SHELL / file).exists()]
+        texts = {name: re.sub(r"/\*.*?\*/|//[^\n]*|\s+", "", archive.read(name).decode(), flags=re.S) for name in own}
+    return [starts, texts]
 
 
 def jobs() -> list[Job]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from typing import Any
 from .. import plots
 from ..markdown import render
 from ..paper import ORBIT, ROOT
-from .cases import CASES, GAINS, PLACES, USUAL, VB, largest
+from .cases import CASES, GAINS, PLACES, PLANNED, USUAL, VB, largest
 from .make import KEPT
 
 PAGE = ROOT / "docs" / "evidence" / "margins.md"
@@ -21,6 +22,8 @@ LOST = 0.5
 """Attitude error, deg, with which the scenario of the planned hold calls it lost."""
 NOISY = 0.05
 """Error above which answers have decayed to rounding."""
+BENEATH = 1e-4
+"""What is left after 200 s with which nothing is left to see after an orbit."""
 
 
 def write() -> Path:
@@ -37,12 +40,12 @@ def fields(kept: dict[str, Any]) -> dict[str, Any]:
     of = {name: [row for row in rows if row["case"] == name] for name in CASES}
     followed = {name: found for name, found in of.items() if CASES[name].followed and found}
     return {
-        "places": [_row(row) for row in rows if "disk" in row],
+        "places": [_range(name, [row for row in of[name] if "disk" in row]) for name in (VB, USUAL)],
         "reasons": [_reason(row) for row in rows if row["refused"]],
-        "left": [_left(name, found) for name, found in followed.items()],
-        "orbits": [_orbits(name, found) for name, found in followed.items()],
+        "decays": [_decay(name, found) for name, found in followed.items()],
         "errors": max(row["error"] for row in rows if "left" in row and not row["refused"]),
-        "seconds": max((sum(row["seconds"] for row in found) for found in followed.values()), default=0.0),
+        "forgets": [end(row["left"] for row in of[PLANNED]) for end in (min, max)],
+        "lost": LOST,
         "linear": sum(not row["refused"] for found in followed.values() for row in found),
         "followed": len(PLACES) * sum(case.followed for case in CASES.values()),
         "equilibria": [_equilibrium(one) for one in kept["equilibria"]],
@@ -51,21 +54,12 @@ def fields(kept: dict[str, Any]) -> dict[str, Any]:
         "usual": [row for row in of[USUAL] if "disk" in row],
         "loss": next(one for one in kept["changes"] if (one["case"], one["name"]) == (VB, "delay")),
         "changes": [_change(one, of[VB]) for one in kept["changes"]],
-        "flown": [
-            [name, f"{max(row['flown'] for row in found):.2g}°"]
-            for name, found in followed.items()
-            if "flown" in found[0]
-        ],
         "sensitivity": [
-            [one["parameter"], f"{one['slope']:+.2g}", f"{one['apart']:.1g}"] for one in kept.get("sensitivity", [])
+            [one["parameter"], f"{one['slope']:+.2g}%", f"{0.5 * one['apart']:.1g}%"]
+            for one in kept.get("sensitivity", [])
         ],
-        "older": list(
-            dict.fromkeys(
-                row.get("case", f"delay, {row.get('name')}") for row in [*rows, *kept["delays"]] if "inputs" not in row
-            )
-        ),
         "slopes": [_slopes(one) for one in kept["equilibria"] if "slopes" in one],
-        "delays": [_delay(row) for row in sorted(kept["delays"], key=lambda row: (row["name"], row["delay"]))],
+        "delays": [_delay(name, *both, kept["delays"]) for name, both in losses(kept["delays"]).items()],
         "losses": losses(kept["delays"]),
     }
 
@@ -103,38 +97,40 @@ def _crossing(points: list[tuple[float, float]], level: float) -> float:
     return math.nan
 
 
-def _left(name: str, rows: list[dict[str, Any]]) -> list[str]:
-    """What is left after 200 s at each place."""
-    by = {row["place"]: row for row in rows}
-    cells = []
-    for place in PLACES:
-        row = by.get(place)
-        cells.append("not measured" if row is None else "not linear" if row["refused"] else f"{row['left']:.2g}")
-    return [name, *cells]
+def _decay(name: str, rows: list[dict[str, Any]]) -> list[str]:
+    """What is left of a disturbance after 200 s and after an orbit, from the least place to the most."""
+    linear = [row for row in rows if not row["refused"]]
+    known = [row for row in linear if "orbit" in row and row["wrong"] <= NOISY and row["left"] > BENEATH]
+    left, orbits = _ends([row["left"] for row in linear]), _ends([row["orbit"] for row in known])
+    if len(linear) < len(rows):
+        left += f"; not linear at {len(rows) - len(linear)} places"
+    rest = f"{100 * min(row['rest'] for row in known):.0f}%" if known else "none"
+    flown = f"{max(row['flown'] for row in rows):.2g}°" if "flown" in rows[0] else "none"
+    return [name, left, orbits, rest, flown]
 
 
-def _orbits(name: str, rows: list[dict[str, Any]]) -> list[str]:
-    """What is left after an orbit at each place."""
-    by = {row["place"]: row for row in rows}
-    cells = []
-    for place in PLACES:
-        row = by.get(place)
-        known = row is not None and "orbit" in row and row["wrong"] <= NOISY and row["left"] > 1e-4
-        cells.append(f"{row['orbit']:.2g}" if row is not None and known else "none")
-    rest = [row["rest"] for row in rows if "rest" in row]
-    return [name, *cells, f"{100 * min(rest):.0f}%" if rest else ""]
+def _ends(values: Sequence[float]) -> str:
+    return f"{min(values):.2g} to {max(values):.2g}" if values else "none"
 
 
-def _delay(row: dict[str, Any]) -> list[str]:
-    left = "not linear" if row["error"] > NOISY else f"{row['left']:.2f}"
-    return [row["name"], f"{row['delay']:g} s", left, f"{row['flown']:.2g}°"]
+def _delay(name: str, predicted: float, lost: float, rows: list[dict[str, Any]]) -> list[str]:
+    """The delays that lose a planned hold, and those between which it is seen to be lost, with their errors."""
+    flown = sorted((row["delay"], row["flown"]) for row in rows if row["name"] == name)
+    ends = max(one for one in flown if one[1] < LOST), min(one for one in flown if one[1] >= LOST)
+    seen = [f"{delay:g} s ({error:.2g}°)" for delay, error in ends]
+    return [name, f"{predicted:.2f} s", f"{lost:.2f} s", f"{100 * (predicted / lost - 1):.0f}%", *seen]
 
 
-def _row(row: dict[str, Any]) -> list[str]:
-    up = f"{row['up']:.1f} dB" if math.isfinite(row["up"]) else "any"
-    numbers = [f"{row['disk']:.3f}", up, f"{row['phase']:.1f}°", f"{row['delay']:.2f} s"]
-    certain = [f"{100 * row['error']:.2g}%", f"{100 * row['change']:.2g}%"]
-    return [row["case"], f"{row['place']}°", *numbers, *certain]
+def _range(name: str, rows: list[dict[str, Any]]) -> list[str]:
+    """The margins of a hold, from the least place to the most."""
+
+    def ends(key: str, form: str, unit: str) -> str:
+        low, high = (format(end(row[key] for row in rows), form) for end in (min, max))
+        return f"{low}{unit}" if low == high else f"{low} to {high}{unit}"
+
+    most = [f"{100 * max(row[key] for row in rows):.2g}%" for key in ("error", "change")]
+    margins = [ends("disk", ".3f", ""), ends("up", ".1f", " dB"), ends("phase", ".1f", "°"), ends("delay", ".2f", " s")]
+    return [name, f"{len(rows)} of {len(PLACES)}", *margins, *most]
 
 
 def _reason(row: dict[str, Any]) -> list[str]:

@@ -9,19 +9,19 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import click
-import numpy as np
 
 from ..errors import InputError, Place, Problem, writing
-from ..margins.block import BlockModel, linearized
+from ..margins.block import BlockModel, closed, linearized
 from ..margins.floquet import PULSE, SEGMENT, Coordinates, Repeated, coordinates
 from ..margins.inject import Altered, Rig
 from ..margins.linear import Linear, realized
 from ..margins.measure import LONGEST, measure
 from ..margins.periods import Followed, follow
 from ..margins.report import HEADER, Found
-from ..margins.search import Change, Slope, Starts, expectations_are_met, lost, pulse_dies_out
+from ..margins.search import Change, Slope, Starts, expectations_are_met, lost, pulse_dies_out, scaled
 from ..margins.site import site
 from ..quantities import SECOND, QuantityError, value_in
 from ..results.place import check_writable, refuse_links
@@ -34,6 +34,9 @@ from .options import changes, out_folder
 from .overrides import Changes
 from .paths import PATH
 from .status import EXPECTATION_FAILED
+
+LEAST = 16
+"""Samples of a window, at least."""
 
 
 @click.command(
@@ -74,7 +77,11 @@ from .status import EXPECTATION_FAILED
     help="Follow the answers to pulses over so many periods; for --orbit and controllers with hidden states.",
 )
 @click.option(
-    "--state", "states", multiple=True, metavar="BLOCK.PORT", help="An output that is the state; for --orbit, --model."
+    "--state",
+    "states",
+    multiple=True,
+    metavar="BLOCK.PORT",
+    help="An output that is the state; for --orbit and --model, else for a linear model of the closed loop.",
 )
 @click.option(
     "--sensitivity",
@@ -116,6 +123,16 @@ def command(
     """
     if not ports and model is None:
         raise InputError(Problem(expected="--at BLOCK.PORT or --model BLOCK", found="none"))
+    lost_ = criterion if criterion != "pulse" else None
+    given: dict[str, object] = {
+        "--at": ports,
+        "--change": changed,
+        "--orbit": orbit,
+        "--lost": lost_,
+        "--window": window,
+    }
+    given |= {"--sensitivity": sensitive, "--piece": piece, "--periods": periods}
+    _refuse_idle([name for name, value in given.items() if value], model is not None, orbit is not None)
     loaded = change.scenario(scenario)
     target = out or Path("results") / f"{loaded.name}-margins"
     check_writable(target)
@@ -128,26 +145,41 @@ def command(
             found_ = linearized(session, model, round(begin / plan.clock.step), states, longest)
             ctx.exit(_model(found_, begin, target, json_))
         rig = Rig(session, site(plan, ports), round(begin / plan.clock.step))
+        changes_, seen = [Change.of(text) for text in changed], coordinates(plan, states)
+        for option, names in (("--change", [one.name for one in changes_]), ("--sensitivity", sensitive)):
+            for name in names:
+                if option == "--sensitivity" or name not in ("gain", "delay"):
+                    scaled(rig, name, 1.0, option)  # it is refused before anything is flown
         if orbit is not None:
             pieces = max(round(seconds("--piece", piece, SEGMENT * rig.period) / rig.period), 1)
-            period, seen = _period(rig, seconds("--orbit", orbit, 0.0), states)
-            changes_ = [Change.of(text) for text in changed]
+            period = _period(rig, seconds("--orbit", orbit, 0.0), states)
             if periods is None:
                 ctx.exit(_multipliers(rig, period, pieces, seen, sensitive, changes_, json_))
             ctx.exit(_followed(rig, period, periods, pieces, seen, sensitive, changes_, json_))
         longest = seconds("--window", window, LONGEST * rig.period)
-        changes_ = [Change.of(text) for text in changed]
-        found = Found.of(loaded.name, rig.first * plan.clock.step, measure(rig, max(int(longest / rig.period), 4)))
+        if longest < LEAST * rig.period:
+            expected = f"at least {LEAST} samples, {LEAST * rig.period:g} s"
+            raise InputError(Problem(expected=expected, found=f"{longest:g} s", place=Place("--window")))
+        found = Found.of(loaded.name, rig.first * plan.clock.step, measure(rig, int(longest / rig.period)))
+        looped = None
         if not found.response.refused:
-            window_ = 3 * len(found.response.pulse) // 2
-            holds = pulse_dies_out(rig, window_) if criterion == "pulse" else expectations_are_met(rig)
+            samples = len(found.response.pulse)
+            dies = pulse_dies_out(rig, 3 * samples // 2, found.response.amplitude)
+            holds = dies if criterion == "pulse" else expectations_are_met(rig)
             found.searched.extend(lost(rig, one, holds) for one in changes_)
+            looped = closed(rig, seen, samples) if states else None
     if not found.response.refused:
         _write(found, target)
+        if looped is not None and not looped.refused:
+            _save(looped.model, target, "loop")
     if json_:
-        say_json(found.data())
+        said = {} if looped is None else {"loop": _data(looped)}
+        say_json({**found.data(), **said})
     else:
         _print(found, target)
+        if looped is not None:
+            notes(looped.notes)
+            say(f"Closed loop: no linear model: {looped.refused}" if looped.refused else _told(looped.model, "loop"))
     ctx.exit(EXPECTATION_FAILED if found.response.refused else 0)
 
 
@@ -169,10 +201,7 @@ def _model(found: BlockModel, when: float, folder: Path, json_: bool) -> int:
     """Writes and prints the linear model of a block; the status is 1 where it has none."""
     model = found.model
     if json_:
-        matrices = {name: getattr(model, name).tolist() for name in "ABCD"}
-        names = {"inputs": model.inputs, "outputs": model.outputs, "states": model.states}
-        said = {"sample": model.step, "error": model.error, "verdict": model.verdict, "notes": found.notes}
-        say_json({**names, **matrices, **said, "refused": found.refused or None})
+        say_json(_data(found))
     else:
         notes(found.notes)
     if found.refused:
@@ -186,26 +215,50 @@ def _model(found: BlockModel, when: float, folder: Path, json_: bool) -> int:
         say(f"linear model at {when:g} s, each {model.step:g} s: {sizes}", bold=True)
         if model.states:
             say(f"states: {', '.join(model.states)}")
-            say("eigenvalues of A: " + ", ".join(f"{value:.6g}" for value in np.linalg.eigvals(model.A)))
+            say("eigenvalues of A: " + ", ".join(f"{value:.6g}" for value in model.eigenvalues))
         say(model.verdict)
         say(f"written to {folder / 'model.npz'} and model.mat")
     return 0
 
 
-def _save(model: Linear, folder: Path) -> None:
+def _data(found: BlockModel) -> dict[str, Any]:
+    model = found.model
+    matrices = {name: getattr(model, name).tolist() for name in "ABCD"}
+    names = {"inputs": model.inputs, "outputs": model.outputs, "states": model.states}
+    said = {"sample": model.step, "error": model.error, "verdict": model.verdict, "notes": found.notes}
+    return {**names, **matrices, **said, "refused": found.refused or None}
+
+
+def _told(model: Linear, name: str) -> str:
+    """Returns what is told of the closed loop."""
+    sizes = ", ".join(f"{abs(value):.6g}" for value in model.eigenvalues)
+    return f"Closed loop from sample to sample, |eigenvalues| {sizes}; {model.verdict}; written to {name}.npz and .mat"
+
+
+def _save(model: Linear, folder: Path, name: str = "model") -> None:
     for suffix in ("npz", "mat"):
-        model.save(folder / f"model.{suffix}")
+        model.save(folder / f"{name}.{suffix}")
 
 
-def _period(rig: Rig, period: float, states: Sequence[str]) -> tuple[int, Coordinates]:
-    """Returns the samples of a period, and what is observed. Raises InputError."""
-    seen = coordinates(rig.session.opened.plan, states)
+def _refuse_idle(given: Sequence[str], model: bool, orbit: bool) -> None:
+    """Raises InputError for an option that would have no effect beside the others."""
+    for name in given:
+        if model and name != "--window":
+            raise InputError(Problem(f"{name} has no effect with --model; remedy: leave out one of them"))
+        if name in ("--sensitivity", "--piece", "--periods") and not orbit:
+            raise InputError(Problem(f"{name} has an effect with --orbit only; remedy: state the period by --orbit"))
+        if name in ("--window", "--lost") and orbit:
+            raise InputError(Problem(f"{name} has no effect with --orbit; remedy: leave out one of them"))
+
+
+def _period(rig: Rig, period: float, states: Sequence[str]) -> int:
+    """Returns the samples of a period. Raises InputError."""
     samples = round(period / rig.period)
     if not states or samples < 2:
         expected = "--state BLOCK.PORT with --orbit" if not states else "a period of some samples"
         found = "none" if not states else f"{period:g} s"
         raise InputError(Problem(expected=expected, found=found, place=Place("--orbit")))
-    return samples, seen
+    return samples
 
 
 def _followed(

@@ -1,4 +1,5 @@
-"""The linear model of one block at an instant of a flight: inputs and outputs by name, observed or balanced states.
+"""The linear model of one block at an instant of a flight: inputs and outputs by name, observed or balanced states; and
+that of the closed loop, from what is added to a signal to outputs that are its states.
 
 The block takes what it took in the flight, from a tape, so the loop is open; the differences that pulses at each input
 make are its answers, sample by sample. Of two pulses, a and -a/2, the answers agree where the block is linear. An
@@ -37,7 +38,7 @@ _NONE = 1e-8
 
 @dataclass(frozen=True)
 class BlockModel:
-    """The model of a block, and notes: what is left out of it and why, and where D comes from."""
+    """The model of a block or a loop, and notes: what is left out of it and why, and where D comes from."""
 
     model: Linear
     notes: list[str]
@@ -72,32 +73,45 @@ def linearized(
         raise InputError(Problem(f"{block} has no connected real input, or no real output", place=place))
     rig = Rig(session, site(plan, ports, "--model"), max(first, 1))  # before the first step nothing is taken
     flights = _Flights(rig, shown, named, SAMPLES if window is None else max(round(window / rig.period), 8))
+    return _modelled(flights, place)
+
+
+def closed(rig: Rig, states: Coordinates, samples: int) -> BlockModel:
+    """Returns the model of the closed loop from a pulse at the rig's site to these states, from sample to sample.
+
+    Raises InputError for a state that is none, and BlockError where a block fails in flight.
+    """
+    return _modelled(_Flights(rig, states, states, samples, opened=False), Place("--state"))
+
+
+def _modelled(flights: _Flights, place: Place) -> BlockModel:
+    rig, named = flights.rig, flights.named
     pulse, kept, notes = flights.judged()
-    elements = [shown.nodes[i].element for i in kept]
-    outputs = [f"{block}.{model.variables[e.variable].label(e.position)}" for e in elements]
-    slopes = flights.slopes(elements)
+    nodes, models = [flights.shown.nodes[i] for i in kept], rig.session.opened.plan.models
+    outputs = [f"{n.block}.{models[n.block].variables[n.element.variable].label(n.element.position)}" for n in nodes]
+    slopes = flights.slopes([node.element for node in nodes])
     if slopes is not None:
         notes.append(f"D: directional derivatives of the FMU; differences are within {_apart(pulse[0], slopes):.1g}")
         pulse[0] = slopes
     if not named.variables:
         return BlockModel(Linear(rig.site.labels, outputs, *_balanced(flights, pulse)), notes)
-    fitted, apart = _observed(flights, pulse, place)
+    fitted, apart, moved = _observed(flights, pulse, place)
     notes += [
         f"left out: {outputs[i]} is not seen from these states ({100 * apart[i]:.2g} %)"
         for i in range(len(apart))
         if apart[i] > LIMIT
     ]
     outputs = [label for label, error in zip(outputs, apart, strict=True) if error <= LIMIT]
-    return BlockModel(Linear(rig.site.labels, outputs, *fitted, observed=tuple(named.labels)), notes)
+    return BlockModel(Linear(rig.site.labels, outputs, *fitted, tuple(named.labels), moved), notes)
 
 
 class _Flights:
     """Answers of a block's outputs and named states to pulses at its inputs, (samples, outputs, inputs)."""
 
-    def __init__(self, rig: Rig, shown: Coordinates, named: Coordinates, samples: int) -> None:
+    def __init__(self, rig: Rig, shown: Coordinates, named: Coordinates, samples: int, opened: bool = True) -> None:
         self.rig, self.shown, self.named, self.count = rig, shown, named, len(shown.nodes)
         still = np.zeros((samples, len(rig.site.channels)))
-        self._altered = Altered(tape=rig.fly(still))
+        self._altered = Altered(tape=rig.fly(still) if opened else None)
         self._still, self._base = still, self._flown(still)
         columns = [self._column(j) for j in range(still.shape[1])]
         whole, unlike = (np.stack(part, axis=-1) for part in zip(*columns, strict=True))
@@ -173,8 +187,8 @@ class _Flights:
 
     def _usual(self) -> Floats:
         """Returns the usual size of each output: the largest value of an input or output of its unit."""
-        of = {v.name: v for _, v in self.shown.variables}
-        units = [str(unit_of(of[node.element.variable])) for node in self.shown.nodes]
+        of = {(block, v.name): str(unit_of(v)) for block, v in self.shown.variables}
+        units = [of[node.block, node.element.variable] for node in self.shown.nodes]
         largest = np.abs(self._base[:, : self.count]).max(axis=0)
         known = [*zip(units, largest, strict=True)]
         known += [(c.unit, scale) for c, scale in zip(self.rig.site.channels, self.rig.scales, strict=True)]
@@ -183,6 +197,8 @@ class _Flights:
     def slopes(self, outputs: Sequence[Element]) -> Floats | None:
         """Returns the directional derivatives of outputs by the inputs, where the FMU gives them in this process."""
         rig, found = self.rig, list[Floats]()
+        if self._altered.tape is None:
+            return None
         receivers = [channel.receivers[0] for channel in rig.site.channels]
         path = rig.session.opened.fmus[receivers[0].target.block].path
         if path.suffix == ".py" or not read_head(path).slopes:
@@ -211,9 +227,9 @@ def _balanced(flights: _Flights, pulse: Floats) -> _Fit:
     return A, B, C, pulse[0], flights.rig.period, sizes, error, verdict
 
 
-def _observed(flights: _Flights, pulse: Floats, place: Place) -> tuple[_Fit, Floats]:
+def _observed(flights: _Flights, pulse: Floats, place: Place) -> tuple[_Fit, Floats, int]:
     """Fits the named states, which must not follow the inputs at once, and returns what of each output is left; the
-    outputs of which it is too much are left out."""
+    outputs of which it is too much are left out. The last is how many directions of the states are moved."""
     scales = flights.rig.scales
     z, y = flights.states * scales, pulse * scales  # (samples, states, inputs)
     z[:, flights.still] = 0.0
@@ -234,15 +250,19 @@ def _observed(flights: _Flights, pulse: Floats, place: Place) -> tuple[_Fit, Flo
     show = np.linalg.lstsq(known.reshape(-1, n + m), y.transpose(0, 2, 1).reshape(-1, y.shape[1]), rcond=_APPEARS)[0]
     A, B = step[:n].T * sizes[:, None] / sizes, step[n:].T * sizes[:, None] / scales
     C, D = show[:n].T * size[:, None] / sizes, show[n:].T * size[:, None] / scales
-    rest = float(np.abs(known[:-1] @ step - rows[1:]).max())
+    told = rows.copy()
+    for k, now in enumerate(given[:-1]):  # the model's own states, so that errors of slow ones add up
+        told[k + 1] = np.concatenate([told[k], now], axis=1) @ step
+    rest = float(np.nan_to_num(np.abs(told - rows), nan=np.inf).max())
     apart = np.abs(known @ show - y.transpose(0, 2, 1)).max(axis=(0, 1))
     kept = apart <= LIMIT
     error = flights.error + max(rest, float(apart[kept].max(initial=0.0)))
+    moved = min(int(rank) - m, n)
     verdict = (
-        f"the inputs move {min(rank - m, n)} of {n} directions of the named states; the model is within "
+        f"the inputs move {moved} of {n} directions of the named states; the model is within "
         f"{100 * error:.2g} % of the measured answers"
     )
-    return (A, B, C[kept], D[kept], flights.rig.period, np.empty(0), error, verdict), apart
+    return (A, B, C[kept], D[kept], flights.rig.period, np.empty(0), error, verdict), apart, moved
 
 
 def _answers(A: Floats, B: Floats, C: Floats, pulse: Floats) -> Floats:

@@ -54,11 +54,19 @@ class Linear:
     """What can be seen of the states, in words."""
     observed: tuple[str, ...] = ()
     """Names of the states, where these are outputs."""
+    moved: int | None = None
+    """Directions of the states that the inputs move, where these may be fewer: of the others A says nothing."""
 
     @property
     def states(self) -> list[str]:
         """Names of the states: balanced ones have no other than numbers."""
         return list(self.observed) or [f"x{i + 1}" for i in range(len(self.A))]
+
+    @property
+    def eigenvalues(self) -> Complex:
+        """Those of A for the directions that the inputs move, the largest first."""
+        values = np.linalg.eigvals(self.A)
+        return np.asarray(values[np.argsort(-np.abs(values))][: self.moved])
 
     def system(self) -> Any:
         """Returns the model as an object of python-control, which has no dots in names."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..errors import BlockError
 from ..fmu.model import Floats
 from .analysis import Complex
 from .inject import Rig
@@ -31,6 +32,12 @@ VARIES = 0.3
 """Largest change of the response within a window above which there is no result."""
 _PROBE, LONGEST = 256, 65536
 """Samples after a pulse that are looked at: first, and at most."""
+_PROBE_SIZE = 1e-4
+"""Pulse with which the window is sought, beside the signal."""
+_SHARES = 1.0, 0.01
+"""Shares of pulses in all channels: the next where an FMU refuses one."""
+_GROWN = 1e3
+"""Answer beside the pulse above which one that still grows is not followed further."""
 _SETTLED = 1e-3
 """Share of the largest answer to a pulse below which it has died out."""
 _ENOUGH = 0.02
@@ -101,8 +108,8 @@ def _window(rig: Rig, answer: Response, longest: int) -> tuple[int, float]:
     while True:
         base = rig.fly(np.zeros((count, n)))
         pulse = np.zeros((count, n))
-        pulse[0] = 1e-4 * rig.scales
-        sizes = np.abs((rig.fly(pulse) - base) / pulse[0])
+        pulse[0] = _PROBE_SIZE * rig.scales
+        sizes = np.abs(_answer(rig, pulse, base) / pulse[0])
         if not sizes.max() > 1e-9:
             answer.refused = "nothing comes back of what is injected: the loop is open here, saturated, or switches"
             return 0, 0.0
@@ -111,18 +118,29 @@ def _window(rig: Rig, answer: Response, longest: int) -> tuple[int, float]:
         left = float(size[-count // 8 :].max())
         if left < (_SETTLED if count < longest else _ENOUGH) and last < max(third, 1e-6):
             return count, left
-        if count >= longest or last > 10 * first:
+        if count >= longest or (sizes.max() > _GROWN and last > 10 * first):
             break
         count = min(2 * count, longest)
     if last < 0.5 * first:
         answer.refused = f"the answer to a pulse has not died out after {count * rig.period:.4g} s; remedy: --window"
     else:
+        ratio = f"its answer is {last / first:.3g} of that at first" if first > 0.0 else "its answer grows"
         answer.refused = (
-            f"a pulse does not die out within {count * rig.period:.4g} s "
-            f"(its answer is {last / max(first, 1e-300):.3g} of that at first): "
-            "the loop is unstable, in a limit cycle, or noise differs from flight to flight"
+            f"a pulse does not die out within {count * rig.period:.4g} s ({ratio}): the loop is unstable, in a limit "
+            "cycle or slower than this, or noise differs from flight to flight"
         )
     return 0, 0.0
+
+
+def _answer(rig: Rig, pulses: Floats, base: Floats) -> Floats:
+    """Returns the answer to pulses, measured by smaller ones where an FMU refuses these, (samples, channels)."""
+    failures = []
+    for share in _SHARES:
+        try:
+            return (rig.fly(share * pulses) - base) / share
+        except BlockError as error:
+            failures.append(error)
+    raise failures[-1]
 
 
 def _respond(rig: Rig, answer: Response, window: int, left: float) -> None:
@@ -142,7 +160,7 @@ def _respond(rig: Rig, answer: Response, window: int, left: float) -> None:
     answer.error = np.array([max(column.unlike, left) for column in columns])
     answer.S = spectrum(answer.pulse, answer.omega, rig.period) + np.eye(n)
     still[later] = answer.amplitude
-    after = (rig.fly(still) - base)[later:]
+    after = _answer(rig, still, base)[later:]
     then, now = (spectrum(a, answer.omega, rig.period) for a in (after, answer.pulse @ answer.amplitude))
     answer.change = _apart(then, now, 1.0)
     worst = int(np.argmax(answer.error))
@@ -181,12 +199,19 @@ class _Column:
 
 def _column(rig: Rig, omega: Floats, base: Floats, j: int, scale: float) -> _Column:
     best: _Column | None = None
+    failures = []
     for share in AMPLITUDES:
         found = []
         for part in (share * scale, -0.5 * share * scale):
             injected = np.zeros_like(base)
             injected[0, j] = part
-            found.append((rig.fly(injected) - base) / part)
+            try:
+                found.append((rig.fly(injected) - base) / part)
+            except BlockError as error:  # a value that an FMU refuses
+                failures.append(error)
+                break
+        if len(found) < 2:
+            continue
         whole, half = (spectrum(one, omega, rig.period) for one in found)
         unlike = _apart(whole, half)
         if best is None or unlike < best.unlike:
@@ -195,7 +220,8 @@ def _column(rig: Rig, omega: Floats, base: Floats, j: int, scale: float) -> _Col
             break
         if unlike < GOOD:
             break
-    assert best is not None
+    if best is None:
+        raise failures[-1]
     return best
 
 

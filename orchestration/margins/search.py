@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import BlockError, InputError, Place, Problem, hint
+from ..expectations.checks import Check
 from ..expectations.outcomes import ExpectationObserver
-from ..fmu.model import NameUnknown
+from ..fmu.model import Floats, NameUnknown
 from ..scenario.references import Reference
 from ..system.starts import Start
 from .inject import Altered, Rig
@@ -108,15 +109,15 @@ def lost(rig: Rig, change: Change, holds: Holds) -> Lost:
     return Lost(change, good, bad, rig.flights - before)
 
 
-def pulse_dies_out(rig: Rig, samples: int) -> Holds:
+def pulse_dies_out(rig: Rig, samples: int, most: Floats | float = math.inf) -> Holds:
     """Returns whether a pulse at the site is answered by less at the end of the window than at its beginning, and one
     of half its size with the other sign in proportion. A loop that is lost at once shows no answers but a tumble, in
-    which the signal is far larger than before."""
+    which the signal is far larger than before. `most`: largest pulse of each channel."""
 
     def holds(altered: Altered, starts: Starts) -> bool:
         still = np.zeros((samples, len(rig.site.channels)))
         pulse = still.copy()
-        pulse[0] = _PULSE * rig.scales
+        pulse[0] = np.minimum(_PULSE * rig.scales, most)
         try:
             base, *moved = (rig.fly(part * pulse, altered, starts=starts) for part in (0.0, 1.0, -0.5))
         except BlockError as error:
@@ -133,14 +134,15 @@ def pulse_dies_out(rig: Rig, samples: int) -> Holds:
     return holds
 
 
-def expectations_are_met(rig: Rig) -> Holds:
-    """Returns whether a flight of the scenario's length meets every expectation."""
+def expectations_are_met(rig: Rig, checks: Sequence[Check] | None = None) -> Holds:
+    """Returns whether a flight of the scenario's length meets these expectations, or every one."""
     plan = rig.session.opened.plan
-    nodes = list(dict.fromkeys(node for check in plan.checks for node in check.needed))
+    checks = plan.checks if checks is None else checks
+    nodes = list(dict.fromkeys(node for check in checks for node in check.needed))
     samples = max(plan.clock.steps - rig.first, 0) // rig.site.hold
 
     def holds(altered: Altered, starts: Starts) -> bool:
-        observers = [ExpectationObserver(check) for check in plan.checks]
+        observers = [ExpectationObserver(check) for check in checks]
         try:
             rig.fly(np.zeros((samples, len(rig.site.channels))), altered, observers, nodes, starts)
         except BlockError as error:

@@ -1,12 +1,14 @@
 """A whole review, of flights of a minute instead of orbits."""
 
 import csv
+from types import SimpleNamespace
 
 import pytest
 
 from design.review import facts as of
 from design.review import flights, margins, page, run
 from design.review.options import Options, requirements
+from evidence.paper import ROOT
 from orchestration.session.read import read
 
 pytestmark = pytest.mark.fly
@@ -63,3 +65,17 @@ def test_wheels_have_margins_in_each_channel_and_a_planned_controller_what_is_le
     # A hold forgets: within 400 s a disturbance is a half at most, and pulses of both signs say so alike.
     assert float(planned.rows[0][1]) * float(planned.rows[1][1]) < 0.5
     assert all(float(row[3].removesuffix("%")) < 5.0 for row in planned.rows)
+
+
+def test_a_loop_without_margins_has_the_reason_and_what_is_left_of_disturbances(four_wheels, monkeypatch):
+    monkeypatch.setattr(margins, "measure", lambda rig: SimpleNamespace(refused="it varies"))
+    monkeypatch.setattr(margins, "WHEN", 0.05)
+    (table,) = margins.section(of.facts(four_wheels, None), read(four_wheels)).tables
+    assert "At plant.wheel_torque_cmd the loop has no margins: it varies. Left: " in table.note
+    assert all(float(row[1]) < 0.5 for row in table.rows)
+
+
+def test_a_law_that_demands_a_torque_is_opened_there(facts, four_wheels):
+    paper = of.facts(ROOT / "scenarios" / "paper_no_singularity.yaml", None)
+    ports = [margins._port(found) for found in (paper, of.facts(four_wheels, None), facts)]
+    assert ports == ["controller.tau_cmd_B", "plant.wheel_torque_cmd", "plant.dipole_cmd"]

@@ -1,12 +1,16 @@
 """The page of margins: what is kept belongs to today's flights, and the page to what is kept."""
 
 import json
+import re
+import zipfile
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from evidence.margins import cases, make, page
+from fmus.build import ensure
+from orchestration.fmu.archive import open_fmu
 
 
 @pytest.fixture(scope="module")
@@ -60,8 +64,10 @@ def test_answers_that_cross_a_level_are_found_by_their_logarithm():
 
 def test_a_place_whose_loop_is_not_linear_has_no_number():
     row = {"place": 90, "refused": "the loop is not linear here", "left": 0.3, "error": 0.9}
-    assert page._left("hold", [row])[1:4] == ["not measured", "not measured", "not linear"]
-    assert page._orbits("hold", [row])[3] == "none"
+    assert page._decay("hold", [row]) == ["hold", "none; not linear at 1 places", "none", "none", "none"]
+    known = {"refused": "", "left": 0.25, "orbit": 0.5, "wrong": 0.01, "rest": 0.3, "flown": 2.0}
+    beneath = {**known, "left": 1e-5, "rest": 0.01}
+    assert page._decay("hold", [known, beneath]) == ["hold", "1e-05 to 0.25", "0.5 to 0.5", "30%", "2°"]
 
 
 def test_every_hold_was_measured_at_every_place(kept):
@@ -83,6 +89,30 @@ def test_what_is_kept_of_the_same_inputs_is_not_measured_again(tmp_path, monkeyp
     assert row["value"] == 3  # what is no job any more is left out
     make.make(1, anew=True)
     assert len(count.read_text("utf-8").splitlines()) == 3
+
+
+def test_a_build_with_other_comments_and_identity_is_the_same_code_and_one_with_another_number_is_not(tmp_path):
+    was = ensure("allocator")
+
+    def built(number, **texts):
+        """The FMU with a text put before the one that an entry has, or something replaced in it."""
+        path = tmp_path / f"{number}.fmu"
+        with zipfile.ZipFile(was) as old, zipfile.ZipFile(path, "w") as new:
+            for name in old.namelist():
+                data = old.read(name)
+                for end, change in texts.items():
+                    data = change(data) if name.endswith((f"{end}.c", f"{end}.xml")) else data
+                new.writestr(name, data)
+        return make.code(open_fmu(path))
+
+    stated = make.code(open_fmu(was))
+    assert any(name.endswith("allocator.c") for name in stated[1])
+    assert built(1, allocator=lambda data: b"/* why */ // so\n" + data.replace(b"\n", b"\n  ")) == stated
+    assert built(2, lifecycle=lambda data: data + b"int more;", table=lambda data: data + b"int more;") == stated
+    assert built(3, allocator=lambda data: data + b"int more;") != stated
+    later = lambda data: re.sub(rb'(name="hold_fraction".*?start=")[^"]*', rb"\g<1>0.25", data, flags=re.S)  # noqa: E731
+    starts, code = built(4, modelDescription=later)
+    assert (starts != stated[0], code == stated[1]) == (True, True)
 
 
 def measured(count, value):

@@ -57,6 +57,10 @@ def test_a_loop_without_margins_has_status_1_and_the_reason(loop):
     )
     assert unstable.exit_code == 1
     assert "unstable" in json.loads(unstable.stdout)["refused"]
+    wrong = orchestrate(
+        "margins", loop, "--at", "motor.voltage", "--set", "regulator.gain=0.8", "--change", "motor.x=1..2"
+    )
+    assert (wrong.exit_code, "--change motor.x: motor has no parameter 'x'" in wrong.output) == (2, True), wrong.output
 
 
 def test_wrong_options_are_refused_with_their_place(loop):
@@ -66,6 +70,11 @@ def test_wrong_options_are_refused_with_their_place(loop):
         (("--at", "regulator.samples"), "is not connected, so no loop passes there"),
         (("--at", "motor.voltage", "--when", "-1 s"), "--when -1 s: expected a time of 0 s to 1e9 s, found -1 s"),
         (("--at", "motor.voltage", "--when", "5 kg"), "--when 5 kg: "),
+        (("--at", "motor.voltage", "--window", "0 s"), "--window: expected at least 16 samples, 1.6 s, found 0 s"),
+        (("--at", "motor.voltage", "--periods", "3"), "--periods has an effect with --orbit only"),
+        (("--at", "motor.voltage", "--model", "motor"), "--at has no effect with --model"),
+        (("--at", "motor.voltage", "--orbit", "4 s", "--lost", "expectations"), "--lost has no effect with --orbit"),
+        (("--at", "motor.voltage", "--state", "motor.hot"), "--state motor.hot: "),
     ):
         result = orchestrate("margins", loop, *options)
         assert result.exit_code == 2

@@ -59,6 +59,28 @@ def test_a_law_with_a_hidden_state_has_its_pole_and_its_direct_part(loop):
     assert (found["states"], found["error"] < 1e-5, found["refused"]) == (["x1"], True, None)
 
 
+def test_the_closed_loop_has_its_matrices_with_the_rate_as_the_state(tmp_path):
+    """x+ = x + h (d - g x)"""
+    loop, options = toy(tmp_path, static("-g * w")), ("--state", "plant.omega_B", "--out", tmp_path / "out")
+    result = orchestrate("margins", loop, "--at", "plant.wheel_torque_cmd", *options)
+    assert result.exit_code == 0, result.output
+    assert "Closed loop from sample to sample, |eigenvalues| 0.92" in result.output
+    for read in (np.load(tmp_path / "out" / "loop.npz"), loadmat(tmp_path / "out" / "loop.mat")):
+        np.testing.assert_allclose([read["A"][0, 0], read["B"][0, 0], read["C"][0, 0]], [0.92, STEP, 1.0], atol=1e-6)
+        assert "plant.omega_B[1]" in str(read["states"])
+        assert "plant.wheel_torque_cmd" in str(read["inputs"])
+
+
+def test_a_closed_loop_whose_state_is_not_seen_whole_has_no_model(tmp_path):
+    loop = toy(tmp_path, LAGGING.replace("0.7", "0.95").replace("0.2", "0.05"))
+    options = ("--at", "plant.wheel_torque_cmd", "--state", "plant.omega_B", "--json", "--out", loop.parent / "out")
+    said = json.loads(orchestrate("margins", loop, *options).stdout)
+    assert said["together"] is not None
+    assert said["loop"]["error"] > 0.05
+    assert "no linear model" in said["loop"]["refused"]
+    assert not (loop.parent / "out" / "loop.npz").exists()
+
+
 def test_an_output_that_switches_is_left_out(tmp_path):
     loop = toy(tmp_path, static("-0.5 * abs(w - 1.0)"))
     result = orchestrate("margins", loop, "--model", "controller", "--json", "--out", tmp_path / "out")

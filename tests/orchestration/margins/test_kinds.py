@@ -73,6 +73,18 @@ def test_a_loop_without_margins_gives_the_reason_and_no_number(tmp_path, law):
     assert any(part in said["refused"] for part in reason.split("|")), said["refused"]
 
 
+def test_a_block_that_refuses_large_pulses_is_given_smaller_ones(tmp_path):
+    """The rate is 0.92^k without a pulse, and the law refuses one that differs by more than 1e-5."""
+    text = static("-g * w").replace(
+        "    w, g", "    if abs(inputs.omega_B[0] - 0.92 ** round(t / 0.1)) > 1e-5: raise ValueError\n    w, g"
+    )
+    status, said = found(toy(tmp_path, text), "plant.wheel_torque_cmd", "--change", "gain=1..0.5")
+    assert (status, said["refused"]) == (0, None), said
+    m = said["channels"]["plant.wheel_torque_cmd"]
+    assert m["amplitude"] <= 1e-4
+    assert 20 * np.log10(m["gain_up"]["value"] / (2 / (GAIN * STEP))) == pytest.approx(0.0, abs=0.2)
+
+
 def test_the_noise_that_loses_the_hold_is_found(tmp_path):
     """The noise w(t) = g sin(t) on the torque moves the rate by g at most, and the hold is below 2 rad/s."""
     law = static("-w - g * np.sin(t)")

@@ -58,6 +58,19 @@ def test_pulses_and_a_multisine_have_the_same_margins():
     assert np.degrees(found.phase.value - witness.phase.value) == pytest.approx(0, abs=1)
 
 
+def test_a_slow_loop_whose_answers_grow_at_first_has_its_margins():
+    """Behind a lag of 20 s the answer to a pulse is 300 times as large after 25 s as at first."""
+    slow, lag = np.array([4e-4, 0.028, 0.0]), 0.995
+    plant = np.array([[1, STEP, STEP**2 / 2], [0, 1, STEP], [0, 0, lag]])
+    drive = np.array([[0], [0], [1 - lag]])
+    response = measure(rig(lambda: [linear(plant, drive, np.eye(3)), law(lambda y: -slow @ y, 3)]))
+    assert response.refused == ""
+    found = margins(response.omega, response.loops[:, 0])
+    gain, phase, *_ = control.stability_margins(control.ss(plant, drive, slow[None, :], 0, STEP), method="frd")
+    assert 20 * np.log10(found.gain_up.value / gain) == pytest.approx(0, abs=0.2)
+    assert np.degrees(found.phase.value) == pytest.approx(phase, abs=1)
+
+
 def test_a_slow_law_is_measured_at_its_own_samples():
     response = measure(rig(lagging, law={"every": 3}))
     held = np.linalg.matrix_power(A, 3), sum(np.linalg.matrix_power(A, k) @ B for k in range(3))
