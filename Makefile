@@ -119,7 +119,7 @@ docs: $(VENV)/test
 
 # The reference data that our FMUs carry; needed where the behaviour of a block is meant to change.
 references: $(VENV)/test
-	for block in plant plant/judge plant/sensors estimator controller controller/planned controller/wheels allocator allocator/bounded supervisor; do \
+	for block in plant plant/judge plant/sensors estimator controller controller/planned controller/planned/wheels controller/wheels allocator allocator/bounded supervisor; do \
 	  $(BIN)/orchestrate reference $$(echo $$block | tr / _) --out $$block/reference_data || exit; \
 	done
 	$(BIN)/orchestrate reference plant_wheels --out plant/reference_data_wheels

@@ -33,7 +33,8 @@ __all__ += ["citations", "cites", "element_name", "load", "optional_text", "pack
 
 _OF_ONE = (
     *("plant", "controller", "allocator", "allocator_bounded"),
-    *("plant_sensors", "plant_judge", "controller_planned", "controller_wheels", "estimator", "supervisor"),
+    *("plant_sensors", "plant_judge", "controller_planned", "controller_planned_wheels", "controller_wheels"),
+    *("estimator", "supervisor"),
 )
 SETS = {"plant_wheels": ("plant", "wheel"), "allocator_bounded_wheels": ("allocator_bounded", "wheel")}
 """Blocks that are another one for a set of parts: that block, whose package and file they share, and the set's name."""

@@ -25,6 +25,7 @@ BLOCKS = {
     "allocator/bounded/native": "AllocatorBoundedState",
     "controller/native": "ControllerState",
     "controller/planned/native": "ControllerPlannedState",
+    "controller/planned/wheels/native": "ControllerPlannedWheelsState",
     "controller/wheels/native": "ControllerWheelsState",
     "estimator/native": "EstimatorState",
     "fmus/link/native": "Link",

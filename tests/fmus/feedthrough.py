@@ -68,6 +68,15 @@ def settings(block: str) -> Iterator[dict[str, Any]]:
             "wheel_viscous_friction": ([1e-6] * 4,),
         },
         "controller_wheels": {"wheels": (4,), "rod_axes": (rod_axes,)},
+        "controller_planned_wheels": {
+            "reference": ("lvlh", "inertial"),
+            "wheels": (4,),
+            "wheel_axis": (PYRAMID,),
+            "J_B": (FULL,),
+            "rod_axes": (rod_axes,),
+            "R_d0": (rod_axes,),
+            "dipole_max": (1e3,),  # the rods are not at their limits, where they give in proportion
+        },
         "plant_sensors": {
             "attitude_noise": (0.0, 0.1),
             "sun_sensor": ("coarse", "fine"),
@@ -121,6 +130,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "wheel_torque_ff": 1e-4 * rng.normal(),
         "rod_gains": [1.1, 0.9, -1.0],
         "wheel_gains": 0.9,
+        "wheel_failed": [False] * 4,
         "dipole_cmd": 20.0 * rng.normal(size=3),
         "wheel_torque_cmd": 3e-3 * rng.normal(),
         "R_d": Rotation.random(random_state=rng).as_matrix(),

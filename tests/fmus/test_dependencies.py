@@ -257,6 +257,7 @@ def test_outputs_follow_at_once_the_inputs_that_they_declare_and_no_others(case)
 
 POINTS = {
     "plant_wheels": 64,
+    "controller_planned_wheels": 64,
     "controller_wheels": 64,
     "allocator_bounded_wheels": 64,
     "controller_planned": 64,

@@ -3,8 +3,6 @@
 
 #include "reference.h"
 
-static const double FIELD_MIN = 1e-12; /* T; a weaker field counts as none */
-
 typedef struct {
     Vector zeta;       /* rotation vector of the attitude error, R = R_d exp(zeta^), rad; zero without an attitude */
     double angle;      /* its length; pi without an attitude */
@@ -15,17 +13,10 @@ typedef struct {
 static bool errors_of(const ControllerWheelsLaw *law, double t, const ControllerWheelsInputs *u, Errors *e, Fault *f)
 {
     const NamedVector given[] = {{"b_B", vector(u->b_B)}};
-    static const char *const names[WHEELS_MAX] = {"h_w[1]", "h_w[2]", "h_w[3]", "h_w[4]"};
     const Matrix R = matrix(u->R_NB);
     Reference reference;
-    for (int i = 0; i < WHEELS_MAX; ++i) {
-        const Named h_w = {names[i], u->h_w[i]};
-        if (!all_finite(&h_w, 1, f)) {
-            return false;
-        }
-    }
-    if (!all_finite_vectors(given, COUNT(given), f) || !are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f) ||
-        (!is_zero_matrix(R) && !is_attitude(R, f)) ||
+    if (!are_wheel_momenta(u->h_w, f) || !all_finite_vectors(given, COUNT(given), f) ||
+        !are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f) || (!is_zero_matrix(R) && !is_attitude(R, f)) ||
         !reference_at(law->p.reference, law->R_d0, vector(law->p.Omega_d0), t, vector(u->r_N), vector(u->v_N),
                       &reference, f)) {
         return false;
@@ -82,23 +73,6 @@ static Vector acceleration(const ControllerWheelsLaw *law, const Errors *e)
     return add(add(e->dOmega_d_B, change), scale(gain, subtract(wanted, e->omega)));
 }
 
-/* Along the rods, A m2: m = H x b/(T |b|^2), whose torque takes the momentum H across the field away in the time T; all
- * three smaller where one is at its limit. */
-static Vector unloading(const ControllerWheelsLaw *law, Vector H, Vector b)
-{
-    const double B = norm(b);
-    if (B < FIELD_MIN) {
-        return (Vector){0.0, 0.0, 0.0};
-    }
-    const Vector m = apply(law->rods_inverse, scale(1.0 / (law->p.unloading_time * B * B), cross(H, b)));
-    const double *limits = law->p.rod_limits;
-    const Vector limit = {limits[0] * law->p.dipole_max, limits[1] * law->p.dipole_max, limits[2] * law->p.dipole_max};
-    const double most = largest((Vector){m.x / limit.x, m.y / limit.y, m.z / limit.z});
-    const Vector within = scale(most > 1.0 ? 1.0 / most : 1.0, m); /* but for rounding */
-    return (Vector){clip(within.x, -limit.x, limit.x), clip(within.y, -limit.y, limit.y),
-                    clip(within.z, -limit.z, limit.z)};
-}
-
 bool controller_wheels_outputs(const ControllerWheelsLaw *law, const ControllerWheelsState *x,
                                const ControllerWheelsInputs *u, ControllerWheelsOutputs *y, Fault *f)
 {
@@ -112,7 +86,8 @@ bool controller_wheels_outputs(const ControllerWheelsLaw *law, const ControllerW
     for (int i = 0; i < p->wheels; ++i) {
         h = add(h, scale(u->h_w[i], law->axes[i]));
     }
-    const Vector dipole = unloading(law, add(apply(law->J, e.omega), h), b);
+    const Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, p->unloading_time,
+                                    add(apply(law->J, e.omega), h), b);
     const Vector by_rods = cross(apply(transposed(with_unit_rows(matrix(p->rod_axes))), dipole), b);
     const Vector gyroscopic = cross(Omega, add(apply(law->J, Omega), h));
     const Vector tau = subtract(add(apply(law->J, acceleration(law, &e)), gyroscopic), by_rods);

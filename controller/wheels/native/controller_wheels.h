@@ -10,9 +10,7 @@
 
 #include "controller_wheels_ports.h"
 #include "fault.h"
-#include "vector.h"
-
-enum { WHEELS_MAX = 4 };
+#include "wheels.h"
 
 typedef struct {
     double t; /* s */

@@ -1,0 +1,114 @@
+/* The commands, and the steps. Tests: tests/controller/planned/wheels/. Equations: docs/how/planned-wheels.md. */
+#include "controller_planned_wheels.h"
+
+#include "sample.h"
+
+static const double BEYOND = 100.0; /* dipoles of shedding over those of unloading: the rods are at their limits */
+static const double SOONER = 0.2;   /* of unloading_time, before the hold */
+
+/* (3), in phase 4: the torque that brings the rate error to rest soonest, beside the gyroscopic one where the wheels
+ * can bear that, too. */
+static Vector stopping(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector gyroscopic, Vector by_wheels)
+{
+    const Vector excess = apply(law->J, s->rate);
+    const double size = norm(excess), L = 2.0 * law->p.command_period * (s->reduced ? law->p.bandwidth / s->k : 1.0);
+    const bool bears = norm(add(gyroscopic, by_wheels)) < 0.5 * s->most;
+    double most = s->most;
+    if (!s->reduced && size > 0.0) {
+        const double ball = bears ? norm(add(gyroscopic, by_wheels)) : 0.0;
+        most = law->p.torque_share * zonotope_reach(&s->torque, ball, scale(1.0 / size, excess));
+    }
+    const Vector tau = scale(size > 0.0 ? -smaller(1.0 / L, most / size) : 0.0, excess);
+    return bears ? add(tau, gyroscopic) : subtract(tau, by_wheels);
+}
+
+bool controller_planned_wheels_outputs(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
+                                       const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
+                                       Fault *f)
+{
+    const ControllerPlannedWheelsParameters *p = &law->p;
+    Sample s;
+    if (!controller_planned_wheels_take_sample(law, x->failed, u, &s, f)) {
+        return false;
+    }
+    const Vector Omega = vector(u->omega_B), b = vector(u->b_B), by_wheels = cross(Omega, s.h);
+    const Vector by_body = cross(Omega, apply(law->J, Omega));
+    const bool sheds = x->phase == PHASE_SHEDDING;
+    Vector unwanted = s.H;
+    if (sheds && !is_zero_matrix(matrix(u->R_NB))) { /* all that the rods can give */
+        unwanted = scale(BEYOND * norm(s.H), apply_transposed(matrix(u->R_NB), x->shedding));
+    }
+    const double time = x->phase == PHASE_HOLD ? p->unloading_time : SOONER * p->unloading_time;
+    const Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, unwanted, b);
+    const Vector by_rods = cross(apply_transposed(law->rods, dipole), b);
+    const Target plan = controller_planned_wheels_plan_at(x, &s.target, p->command_period);
+    Vector tau;
+    if (sheds) {
+        tau = subtract(by_rods, by_wheels);
+    } else if (x->phase == PHASE_DAMPING || !s.target.attitude) {
+        tau = stopping(law, &s, by_body, by_wheels);
+    } else { /* (9) */
+        const Errors e = controller_planned_wheels_errors_of(&plan, matrix(u->R_NB), Omega);
+        const Vector spring = add(scale(s.k, e.zeta), e.omega);
+        tau = add(apply(law->J, subtract(e.dOmega_d_B, scale(4.0 * s.k, spring))), by_body);
+        tau = subtract(tau, x->disturbance_B);
+    }
+    store(tau, y->tau_cmd_B);
+    store(dipole, y->dipole_ff);
+    if (sheds) {
+        for (int i = 0; i < WHEELS_MAX; ++i) {
+            y->wheel_torque_ff[i] = 0.0;
+        }
+    } else {
+        controller_planned_wheels_share(law, &s, u->h_w, subtract(add(tau, by_wheels), by_rods), y->wheel_torque_ff);
+    }
+    y->attitude_error = s.angle;
+    store(s.rate, y->rate_error_B);
+    store_matrix(plan.R, y->R_d);
+    store(plan.Omega, y->Omega_d);
+    store(plan.dOmega, y->dOmega_d);
+    y->phase = x->phase;
+    y->reduced = s.reduced;
+    store(x->disturbance_B, y->disturbance_B);
+    return true;
+}
+
+/* The sample of u at the time of x, and its outputs. */
+static bool advance(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u, bool first,
+                    ControllerPlannedWheelsState *x, ControllerPlannedWheelsOutputs *y, Fault *f)
+{
+    Sample s;
+    for (int i = 0; i < WHEELS_MAX; ++i) {
+        x->failed[i] = u->wheel_failed[i];
+    }
+    if (!controller_planned_wheels_take_sample(law, x->failed, u, &s, f)) {
+        return false;
+    }
+    controller_planned_wheels_decide(law, &s, u, first, x);
+    return controller_planned_wheels_outputs(law, x, u, y, f);
+}
+
+bool controller_planned_wheels_start(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
+                                     ControllerPlannedWheelsState *x, Fault *f)
+{
+    ControllerPlannedWheelsState now = {.axis = {1.0, 0.0, 0.0}, .turn = {0.0, 1.0, 1.0}};
+    ControllerPlannedWheelsOutputs y;
+    if (!advance(law, u, true, &now, &y, f)) {
+        return false;
+    }
+    *x = now;
+    return true;
+}
+
+bool controller_planned_wheels_step(const ControllerPlannedWheelsLaw *law, ControllerPlannedWheelsState *x,
+                                    const ControllerPlannedWheelsInputs *u, double h, ControllerPlannedWheelsOutputs *y,
+                                    Fault *f)
+{
+    ControllerPlannedWheelsState next = *x;
+    next.t += h;
+    if (!advance(law, u, false, &next, y, f)) {
+        return false;
+    }
+    *x = next;
+    return true;
+}

@@ -1,0 +1,57 @@
+/* The planned controller of a satellite with up to four reaction wheels: momentum that the wheels cannot hold is shed
+ * by the rods, the turn of least time that they can give is tracked by the wheels. docs/how/planned-wheels.md has its
+ * equations, (n) in the comments.  Flight code: plain functions of plain structures, bounded time, no recursion. Use:
+ * check and prepare once (and again after a change of parameters), start once, then step at every sample. SI units;
+ * frames as at the ports. A function that returns false has noted a fault and changed nothing else. */
+#ifndef CONTROLLER_PLANNED_WHEELS_H
+#define CONTROLLER_PLANNED_WHEELS_H
+
+#include "controller_planned_wheels_ports.h"
+#include "shedding.h"
+#include "turn.h"
+#include "wheel_set.h"
+
+typedef enum { PHASE_SHEDDING = 1, PHASE_TURN = 2, PHASE_HOLD = 3, PHASE_DAMPING = 4 } Phase;
+
+typedef struct {
+    double t; /* s */
+    int32_t phase;
+    bool failed[WHEELS_MAX]; /* of the last sample */
+    double begun;            /* s, of the turn */
+    Vector axis;             /* of the turn, unit, in the frame of the desired body */
+    Turn turn;
+    Vector shedding;      /* unit, in N: direction of the momentum that is shed */
+    Vector disturbance_B; /* N m, what the hold has to counter */
+} ControllerPlannedWheelsState;
+
+/* Parameters and what follows from them alone. */
+typedef struct {
+    ControllerPlannedWheelsParameters p;
+    Matrix J, R_d0, rods;    /* rods: rows, unit */
+    Matrix rods_inverse;     /* body to rods: a dipole along the rods */
+    double J_bound;          /* kg m2, not below any principal moment */
+    double rods_dipole;      /* A m2, of the mean rod at its limit */
+    Vector axes[WHEELS_MAX]; /* unit; zero of a wheel that is not there */
+    Vector h_target;         /* N m s, of the wheels together */
+} ControllerPlannedWheelsLaw;
+
+bool controller_planned_wheels_check(const ControllerPlannedWheelsParameters *p, Fault *f);
+
+/* p must have passed the check. */
+void controller_planned_wheels_prepare(const ControllerPlannedWheelsParameters *p, ControllerPlannedWheelsLaw *law);
+
+/* The state at t = 0; the first command is that of these inputs. */
+bool controller_planned_wheels_start(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
+                                     ControllerPlannedWheelsState *x, Fault *f);
+
+/* The commands at the time of x. */
+bool controller_planned_wheels_outputs(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
+                                       const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
+                                       Fault *f);
+
+/* From t to t + h: u are the inputs at t + h. */
+bool controller_planned_wheels_step(const ControllerPlannedWheelsLaw *law, ControllerPlannedWheelsState *x,
+                                    const ControllerPlannedWheelsInputs *u, double h, ControllerPlannedWheelsOutputs *y,
+                                    Fault *f);
+
+#endif
