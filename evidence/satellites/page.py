@@ -17,7 +17,7 @@ from .. import markdown
 from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..plots import BLUE, RED, name_axes, panels
-from .classes import ALL, DURATION, EARLY, Satellite
+from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
 from .kept import (
     CONDITIONS,
     NAMES,
@@ -43,7 +43,7 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
     missed = not_settled(flights)
     return markdown.render(
         Path(__file__).parent,
-        data=[_data(name, it) for name, it in ALL.items()],
+        data=[_data(name, it) for name, it in CLASSES.items()],
         flown=[_row(flights, name) for name in ALL],
         cases=len(flights.lines),
         settled_with_wheel=int(np.isfinite(times).sum()),
