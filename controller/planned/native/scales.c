@@ -25,8 +25,9 @@ static const double DENSITY_HEIGHT = 60e3; /* m, in which the density of the air
 static const double WEIGHT_ANGLE = 10.0, WEIGHT_CONTROL = 0.005;
 static const double FINAL = 6.0, FINAL_WHEEL = 0.6;                /* by which the last stage counts */
 static const double WEIGHT_RATE = 0.8;                             /* T^2 */
-static const double WHEEL_NEAR_LIMIT = 0.8667;                     /* of wheel_momentum_max */
-static const double WEIGHT_WHEEL_NEAR_LIMIT = 270.0;               /* over wheel_momentum_max^2 */
+static const double WHEEL_MOMENTUM = 10.0;                         /* more than this takes the rods very long to undo */
+static const double WHEEL_NEAR_LIMIT = 0.8667;                     /* of what the wheel is let hold */
+static const double WEIGHT_WHEEL_NEAR_LIMIT = 270.0;               /* over its square */
 static const double WEIGHT_RODS = 8.25e-5, WEIGHT_MOTOR = 4.12e-3; /* (J/T^2)^2 */
 
 /* To two digits: that is what these multiples are known to, and rounding elsewhere then changes none of them. */
@@ -112,7 +113,8 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
     static const double sound[3] = {1.0, 1.0, 1.0};
     const double dipole = p->dipole_max * controller_planned_rods_share(p, sound);
     const double T = two_digits(sqrt(inertia / (dipole * SURFACE_FIELD * ratio * ratio * ratio)));
-    const double momentum = inertia / T, torque = momentum / T, h = p->wheel_momentum_max;
+    const double momentum = inertia / T, torque = momentum / T;
+    const double h = smaller(p->wheel_momentum_max, WHEEL_MOMENTUM * momentum);
     const double k = two_digits(STIFFNESS * torque);
     const double disturbance = p->disturbance_max >= 0.0 ? p->disturbance_max : two_digits(DISTURBANCE_MAX * torque);
     const double forgotten = given_or(p->disturbance_time, two_digits(drag_forgotten(a)));
@@ -125,7 +127,7 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .period = ONBOARD_TURN / rate,
         .turning_moment = larger(least, mean / SLENDER),
         .torque = torque,
-        .fast_nutation = nutation(J, vector(p->wheel_axis), h) > NUTATION / T,
+        .fast_nutation = nutation(J, vector(p->wheel_axis), p->wheel_momentum_max) > NUTATION / T,
         .weight_angle = WEIGHT_ANGLE,
         .weight_rate = WEIGHT_RATE * T * T,
         .weight_control = WEIGHT_CONTROL,
@@ -134,6 +136,7 @@ Scales controller_planned_scales(const ControllerPlannedParameters *p, double a)
         .final_wheel = FINAL_WHEEL * T,
         .weight_wheel = two_digits(p->momentum_weight / (h * h)),
         .weight_near_limit = two_digits(WEIGHT_WHEEL_NEAR_LIMIT / (h * h)),
+        .wheel_momentum = h,
         .near_limit = WHEEL_NEAR_LIMIT * h,
         .weight_rods = two_digits(WEIGHT_RODS * torque * torque),
         .weight_motor = two_digits(WEIGHT_MOTOR * torque * torque),

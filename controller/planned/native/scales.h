@@ -25,7 +25,8 @@ typedef struct {
     double final_errors, final_wheel;            /* s, by which the last stage counts */
     double weight_wheel;                         /* 1/(N m s)^2 */
     double weight_near_limit;                    /* the same beyond near_limit */
-    double near_limit;                           /* N m s, of the wheel's momentum */
+    double wheel_momentum; /* N m s, that plans let the wheel hold: its limit, less where that is much for the rods */
+    double near_limit;     /* N m s, of the wheel's momentum */
     double weight_rods, weight_motor; /* (N m)^2 that a whole control costs where a torque is given to rods and motor */
     Vector K;                         /* of the law [8], N m */
     Matrix L;                         /* N m s */

@@ -8,7 +8,7 @@ static const double STEERING_AGAIN = 2.0; /* of steering_limit: back to steering
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2; /* rad (1 deg), T */
 static const double SETTLED_RATE_TIME = 20.0;                         /* T, in which the rate may turn by a radian */
 static const double LOST_ANGLE = 0.0872664626;                        /* rad (5 deg) */
-/* A hold is strained where it has been loaded, by an angle or a share of wheel_momentum_max, for so many orbits; with a
+/* A hold is strained where it has been loaded, by an angle or a share of what the wheel is let hold, for so many orbits; with a
  * larger angle sooner: after so many T, in which an ordinary plan undoes what was sudden. */
 static const double STRAINED_ANGLE = 0.0174532925, STRAINED_TIME = 2.0;                          /* rad (1 deg), T */
 static const double LASTING_ANGLE = 0.0087266463, LASTING_MOMENTUM = 0.6, LASTING_ORBITS = 0.05; /* rad (0.5 deg) */
@@ -43,10 +43,10 @@ static Vector momentum_to_give(const Model *model, const Motion *now, const Targ
     return subtract(apply(target->R, wanted), apply(now->R, momentum_of(model, now)));
 }
 
-/* N m s: of that, what the wheel cannot keep at the target's attitude. */
-static double beyond_wheel(const Model *model, const Target *target, Vector D_N)
+/* N m s: of that, what the wheel cannot keep at the attitude R. */
+static double beyond_wheel(const Model *model, Matrix R, Vector D_N)
 {
-    const Vector axis_N = apply(target->R, model->wheel_axis);
+    const Vector axis_N = apply(R, model->wheel_axis);
     const double l = clip(-dot(D_N, axis_N), -model->wheel_momentum_max, model->wheel_momentum_max);
     return norm(add(D_N, scale(l, axis_N)));
 }
@@ -58,9 +58,15 @@ Standing controller_planned_standing(const ControllerPlannedState *x, const Mode
     const Matrix Q = multiply(transposed(target.R), now->R);
     const Vector D_N = momentum_to_give(model, now, &target);
     const bool steered = x->phase == PHASE_STEERING, wheel = has_wheel(model);
-    const double limit = wheel ? smaller(x->scales.steering_limit, RATE_MAX * x->scales.turning_moment / x->scales.time)
+    const double whole = x->scales.steering_limit,
+                 limit = wheel ? smaller(whole, RATE_MAX * x->scales.turning_moment / x->scales.time)
                                : controller_planned_rods_limit(model, now->l, steered);
-    const double left = (steered || !wheel ? norm(D_N) : beyond_wheel(model, &target, D_N)) / limit;
+    double left = norm(D_N) / limit;
+    if (wheel && !steered) {
+        /* A loaded wheel that is off its target's axis turns nothing: the rods have time for it. */
+        const double there = beyond_wheel(model, target.R, D_N), here = beyond_wheel(model, now->R, D_N);
+        left = larger(there / whole, smaller(there, here) / limit);
+    }
     const double angle = principal_angle(Q), time = x->steering.time, later = larger(time - search_time, 0.0);
     const bool lost = left > (!steered && wheel ? STEERING_AGAIN : 1.0);
     return (Standing){
@@ -70,7 +76,7 @@ Standing controller_planned_standing(const ControllerPlannedState *x, const Mode
         .D_N = D_N,
         .lost = lost,
         .near = !lost || (steered && left * later <= time),
-        .loaded = fabs(now->l) > LASTING_MOMENTUM * model->wheel_momentum_max || angle > LASTING_ANGLE,
+        .loaded = fabs(now->l) > LASTING_MOMENTUM * x->scales.wheel_momentum || angle > LASTING_ANGLE,
     };
 }
 

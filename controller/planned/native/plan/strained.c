@@ -9,7 +9,7 @@ static const double STRAINED_WEIGHT_RATE = 30.0; /* slow enough for stages of T 
 static const double STRAINED_WEIGHT_WHEEL = 0.1;
 static const double STRAINED_WEIGHT_MOTOR = 100.0; /* the rods have to oppose what the motor gives across the field */
 static const double STRAINED_WEIGHT_FAR = 30.0;    /* of the angle beyond what is far */
-static const double STRAINED_NEAR_LIMIT = 0.97;    /* of wheel_momentum_max */
+static const double STRAINED_NEAR_LIMIT = 0.97;    /* of what the wheel is let hold */
 static const double TURNED_AWAY = 0.2; /* rad from the target, beyond which a kept motion is not used as a guess */
 
 void controller_planned_plan_strained(Model *model)
@@ -20,7 +20,7 @@ void controller_planned_plan_strained(Model *model)
     scales->weight_wheel *= STRAINED_WEIGHT_WHEEL;
     scales->weight_motor_control *= STRAINED_WEIGHT_MOTOR;
     scales->weight_far = STRAINED_WEIGHT_FAR;
-    scales->near_limit = STRAINED_NEAR_LIMIT * model->wheel_momentum_max;
+    scales->near_limit = STRAINED_NEAR_LIMIT * scales->wheel_momentum;
     scales->fast_nutation = true; /* in stages of T the wheel makes any satellite nutate */
 }
 
