@@ -25,7 +25,7 @@ from orchestration.session.read import read
 from orchestration.session.run import whole
 
 LAWS = Path(__file__).parent / "laws"
-COMPARED = ("bdot", "pd", "lqr", "paper")
+COMPARED = ("bdot", "pd", "unloading", "lqr", "paper")
 ERROR, WHEELS = "judge.attitude_error", "plant.h_w"
 OWN = "the scenario's own"
 
@@ -160,8 +160,9 @@ def command(
 ) -> None:
     """Fly laws in Python on the same tumbles and write a table.
 
-    Beside them fly what stands in the scenario itself, B-dot, quaternion feedback (pd), a linear-quadratic regulator
-    (lqr) and the paper's law with gains for the satellite (paper), unless --alone is given.
+    Beside them fly what stands in the scenario itself, B-dot, quaternion feedback (pd), the same with a wheel that the
+    rods empty (unloading), a linear-quadratic regulator (lqr) and the paper's law with gains for the satellite (paper),
+    unless --alone is given.
     """
     source = read(scenario)
     if not isinstance(source.data, dict) or place not in source.data.get("blocks", {}):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from design import rank
-from design.laws import bdot, lqr, paper, pd
+from design.laws import bdot, lqr, paper, pd, unloading
 from tests.commands import orchestrate
 
 SCENARIO = "scenarios/flight_tumble.yaml"
@@ -71,6 +71,14 @@ def test_b_dot_takes_the_rate_across_the_field_away_as_its_gain_says():
     assert np.abs(fast).max() == pytest.approx(0.3)
 
 
+def test_the_unloading_law_is_quaternion_feedback_with_a_wheel_that_empties_in_its_time():
+    p = SimpleNamespace(**vars(P), unloading_time=600.0)
+    turned = seen(omega_B=np.array([1e-3, -2e-3, 3e-3]), h_w=-1.2e-3)
+    found = unloading.step(turned, p, 0.0, 0.5)
+    assert found["wheel_torque_ff"] == pytest.approx(2e-6)
+    assert found["tau_cmd_B"] == pytest.approx(pd.step(turned, P, 0.0, 0.5)["tau_cmd_B"])
+
+
 def test_tumbles_are_rotations_and_rates_of_one_size_and_the_same_for_a_seed():
     drawn = rank.tumbles(4, 0.07, 3)
     for one in drawn:
@@ -90,7 +98,7 @@ def test_the_command_flies_all_and_writes_the_table(tmp_path):
     result = orchestrate("rank", law, *arguments)
     assert result.exit_code == 0, result.stderr
     rows = {row["law"]: row for row in csv.DictReader(table.open())}
-    assert set(rows) == {"still", rank.OWN, "bdot", "pd", "lqr", "paper"}
+    assert set(rows) == {"still", rank.OWN, "bdot", "pd", "unloading", "lqr", "paper"}
     assert all((row["settled"], row["runs"], float(row["median"])) == ("2", "2", 0.0) for row in rows.values())
     largest = {float(row["largest"]) for row in rows.values()}
     assert len(largest) > 1
@@ -110,5 +118,5 @@ def test_laws_that_give_a_torque_are_left_out_where_actuators_are_commanded(tmp_
     law.write_text("def step(i, p, t, h):\n    return {'dipole_cmd': [0.0] * 3, 'wheel_torque_cmd': [0.0] * 4}\n")
     result = orchestrate("rank", law, "--scenario", "scenarios/flight_pyramid.yaml", "--runs", 1, "--duration", "4 s")
     assert result.exit_code == 0, result.stderr
-    assert "bdot, pd, lqr, paper are left out" in result.stderr
+    assert "bdot, pd, unloading, lqr, paper are left out" in result.stderr
     assert [name in result.stdout for name in ("rest", rank.OWN, "bdot")] == [True, True, False]
