@@ -28,7 +28,8 @@ class Template:
     flown: str
     """The file that is a whole scenario."""
     values: dict[str, dict[str, Any]]
-    """By name: what it is, and a default, an example or neither, `instead` of which others do, a unit and a range."""
+    """By name: what it is, and a default, an example or neither, `instead` of which others do, a unit and a range; the
+    keys of the scenario that it `decides`: what is wrong with them is wrong with it."""
 
     def check(self, given: Mapping[str, Any]) -> None:
         """Raises InputError for a value that is unknown, missing, given twice or out of its range."""
@@ -69,8 +70,8 @@ class Template:
     def told(self, problem: Problem, folder: Path, made_of: Mapping[str, str]) -> Problem:
         """Returns an error of a file that was made in a folder, of which nothing stays, at a place that stays.
 
-        That is `--set NAME` for a line that was left open, else the line of the template; `made_of` has the template of
-        each file.
+        That is `--set NAME` for a line that was left open, and for what a value `decides`; else the line of the
+        template. `made_of` has the template of each file.
         """
         place = problem.place
         name = next((file for file in made_of if place and place.source == str(folder / file)), None)
@@ -78,7 +79,10 @@ class Template:
             return problem
         path = self.folder / made_of[name]
         left_open = re.search(r"@(\w+)@", path.read_text("utf-8").splitlines()[place.line - 1])
-        option = Place(f"--set {left_open[1]}", name=place.name) if left_open else replace(place, source=str(path))
+        part = (place.name or "").partition(".")[0].partition("[")[0]
+        decides = (name for name, entry in self.values.items() if part in entry.get("decides", ()))
+        value = left_open[1] if left_open else next(decides, None)
+        option = Place(f"--set {value}", name=place.name) if value else replace(place, source=str(path))
         return replace(problem, place=option)
 
     def listed(self) -> list[tuple[str, str]]:

@@ -93,8 +93,8 @@ def command(
     """Write a page for a satellite's design review.
 
     Its tables stand beside it as CSV. FILE is a scenario of a satellite, such as `orchestrate new satellite` writes.
-    With OTHER both are flown with the same draws, and the page has them side by side. Two folders of results, of
-    reviews or of runs, are compared as they are. The same command goes on where it was stopped.
+    With OTHER both are flown with the same draws, and the page has them side by side. A folder of results, of a review
+    or of a run, is shown or compared as it is. The same command goes on where it was stopped.
 
     Exit status 1 where a requirement is not met, undecided or not verifiable.
     """
@@ -144,16 +144,16 @@ def command(
 
 
 def _one(file: Path, target: Path, options: Options, bar: Bar) -> Review:
-    """Returns the review of a scenario, written with its page, or what a folder of results has."""
-    if file.is_dir():
-        return of_folder(file)
-    found = review(file, target, options, bar, bar.announce)
+    """Returns the review of a scenario, or what a folder of results has, written with its page."""
+    found = of_folder(file) if file.is_dir() else review(file, target, options, bar, bar.announce)
     found.save(target)
     page.write(found, target)
     return found
 
 
 def _name(file: Path) -> str:
+    if file.is_dir():
+        return file.resolve().name.removesuffix("-review")
     return file.stem if file.stem != "tumble" or not file.resolve().parent.name else file.resolve().parent.name
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from fmus.interface import load as interface
+from orchestration.quantities import convert, parse_unit
 from plant.orbit import lvlh
 from plant.so3 import Array
 
@@ -23,6 +24,14 @@ from .facts import Facts
 
 SAMPLES, ROUNDING = 241, 1e-9
 """Of an orbit; share of the largest torque that is rounding."""
+SHEET = {
+    "rad": (("deg", 0.0099), ("arcsec", 0.0)),
+    "rad/s": (("deg/s", 0.00099), ("deg/h", 0.0)),
+    "T": (("nT", 0.0),),
+    "T/(A.m2)": (("nT/(A.m2)", 0.0),),
+    "N.m.s": (("mN.m.s", 0.099), ("uN.m.s", 0.0)),
+}
+"""Units of data sheets in the place of SI units: the first in which the largest value is so large."""
 MODELS = [
     "Body: rigid; its surfaces are an octagonal cylinder. Flexible parts, fuel and moving panels are not modelled.",
     "Orbit: two bodies; air by NRLMSISE-00 at a constant flux of the Sun; field by the model that is named.",
@@ -61,13 +70,15 @@ def data(facts: Facts) -> Section:
                 (f"wheel {i}", f"{wheel.momentum_max:g} N.m.s, {wheel.torque_max:g} N.m, along {_listed(axis)}")
             )
     sensors = [
-        [name, _listed(values, _unit(name))]
+        [name, as_in_sheets(values, _unit(name))]
         for name, values in sorted(facts.starts.get("plant_sensors", {}).items())
         if values.any()
     ]
     tables = [
         Table("Data of the satellite", ["value", ""], [list(row) for row in shown]),
-        Table("Sensors", ["value", ""], sensors, "Values that are not zero, as plant_sensors takes them."),
+        Table(
+            "Sensors", ["value", ""], sensors, "What is not zero of the block plant_sensors, in units of data sheets."
+        ),
         Table("Assumptions", ["where", "what"], assumptions(facts), "Lines of the files that say 'assumed'."),
         Table(
             "Plausibility",
@@ -177,6 +188,16 @@ def _unit(name: str) -> str:
     """Returns the unit of a parameter of the sensors; "" for none."""
     variable = interface("plant_sensors").variables.get(name)
     return "" if variable is None or variable.unit in (None, "1") else str(variable.unit)
+
+
+def as_in_sheets(values: Array, unit: str) -> str:
+    """Returns values in SI units as a data sheet has them."""
+    own = parse_unit(unit or "1")
+    for name, least in SHEET.get(unit, ()):
+        shown = np.array([convert(v, own, parse_unit(name)) for v in np.ravel(values).tolist()])
+        if np.abs(shown).max() >= least:
+            return _listed(shown, name)
+    return _listed(values, unit)
 
 
 def _ratio(gives: float, needed: float) -> str:

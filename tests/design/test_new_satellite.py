@@ -138,6 +138,8 @@ def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, m
         ({"body_axis": "up"}, "--set body_axis: shared.body_axis: expected one of"),
         ({"orbit_radius": "68r78 km"}, "--set orbit_radius: unknown unit 'r78 km'"),
         ({"orbit_radius": "-5 km"}, "--set orbit_radius: expected 6528137 m to 8348137 m, found -5 km (-5000 m)"),
+        ({"step": "30 ms"}, "--set step: record.interval: expected a multiple of the base step, 0.03 s"),
+        ({"duration": "0.5 orbits"}, "--set duration: expect[1].after: 8515.212 s lies after the end of the run"),
         ({"wheels": "two"}, "--set wheels: expected none, one, three axes or pyramid 35 deg, found 'two'"),
         ({"wheels": "pyramid 95 deg"}, "--set wheels: expected an angle of 0 to 90 deg, found pyramid 95 deg"),
         ({"sensors": "x.yaml"}, "--set sensors: expected cubesat, star tracker, perfect or the path of a file, found"),
@@ -145,7 +147,7 @@ def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, m
             {"step": "0.04 s"},
             "--set control_period: blocks.controller.start.control_period: expected a multiple of the step",
         ),
-        ({"step": "0.3 s", "control_period": "1.5 s"}, "planned.yaml:106: record.interval: expected a multiple"),
+        ({"step": "0.3 s", "control_period": "1.5 s"}, "--set step: record.interval: expected a multiple"),
     ],
 )
 def test_a_value_that_no_block_takes_is_told_at_once_and_nothing_is_written(tmp_path, changes, message):

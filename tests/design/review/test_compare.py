@@ -6,6 +6,7 @@ from design.review import compare, page
 from design.review.content import APART, Curves, Review, Section, Table, load
 from orchestration import InputError, run
 from orchestration.session.read import read
+from tests.commands import orchestrate
 
 
 def _review(name, settled, failure="wheel stuck"):
@@ -66,3 +67,18 @@ def test_two_runs_are_compared_by_start_values_and_expectations(satellite, tmp_p
     assert found.sections[1].figures
     with pytest.raises(InputError, match="expected the folder of a review or of a run"):
         compare.of_folder(tmp_path)
+
+
+def test_one_folder_is_shown_and_two_are_compared_by_the_command(satellite, tmp_path):
+    """That of a run, and that of a review, which stays where it is."""
+    run(read(satellite), duration="4 s", out=tmp_path / "flown")
+    saved = _review("a", "300")
+    saved.save(tmp_path / "a-review")
+    one = orchestrate("review", tmp_path / "flown", "--out", tmp_path / "shown")
+    assert one.exit_code == 0, one.stderr
+    assert "Start values" in (tmp_path / "shown" / "review.html").read_text("utf-8")
+    assert (tmp_path / "shown" / "start_values.csv").is_file()
+    two = orchestrate("review", tmp_path / "a-review", tmp_path / "flown", "--out", tmp_path / "two")
+    assert two.exit_code == 0, two.stderr
+    assert "A: a. B: flown." in (tmp_path / "two" / "review.html").read_text("utf-8")
+    assert load(tmp_path / "a-review") == saved

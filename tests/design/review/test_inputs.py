@@ -22,6 +22,17 @@ def test_perfect_sensors_are_named(four_wheels, tmp_path):
     assert "up to 0.5 deg/s" in inputs.data(of.facts(four_wheels, None)).notes[0]
 
 
+def test_sensors_have_the_units_of_their_data_sheets(facts):
+    rows = dict(inputs.data(facts).tables[1].rows)
+    assert rows["field_bias_B"] == "100, -150, 120 nT"
+    assert rows["angle_random_walk"] == "0.014 deg"
+    assert rows["rate_quantum"] == "0.0038 deg/s"
+    assert rows["wheel_momentum_noise"] == "2 uN.m.s"
+    assert rows["position_noise"] == "1.5 m"
+    assert inputs.as_in_sheets(np.radians([10.0 / 3600.0]), "rad") == "10 arcsec"
+    assert not any(text.endswith((" rad", " rad/s", " T")) for text in rows.values())
+
+
 def test_assumptions_are_the_lines_of_the_files_that_say_so(facts):
     rows = inputs.assumptions(facts)
     assert any("residual_dipole_B" in text and place.startswith("satellite.yaml:") for place, text in rows)
