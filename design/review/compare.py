@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestration import InputError
+from orchestration.results.view import beside
 
 from . import content
 from .content import APART, Curves, Review, Section, Table
@@ -38,8 +39,14 @@ def _section(a: Section, b: Section, names: tuple[str, str]) -> Section:
     for name, own, other in ((names[0], a.notes, b.notes), (names[1], b.notes, a.notes)):
         notes += [f"{name}: {note}" for note in own if note not in other]
     drawing = "".join(one for one in (a.drawing, b.drawing if b.drawing != a.drawing else "") if one)
+    motion = beside(a.motion, b.motion, [f"{side}: {name}" for side, name in zip("AB", names, strict=True)])
     return Section(
-        a.heading, [t for group in tables for t in group], [f for group in figures for f in group], notes, drawing
+        a.heading,
+        [t for group in tables for t in group],
+        [f for group in figures for f in group],
+        notes,
+        drawing,
+        motion,
     )
 
 

@@ -51,6 +51,8 @@ class Section:
     notes: list[str] = field(default_factory=list)
     drawing: str = ""
     """SVG."""
+    motion: dict[str, Any] | None = None
+    """What a three-dimensional view shows, with its arrays in it."""
 
 
 @dataclass
@@ -91,6 +93,7 @@ def load(folder: Path) -> Review:
                 [Curves(**curves) for curves in entry["figures"]],
                 entry["notes"],
                 entry["drawing"],
+                entry.get("motion"),
             )
             for entry in data["sections"]
         ]

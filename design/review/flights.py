@@ -9,10 +9,12 @@ the hash of all that decides it. Tests: tests/design/review/test_flights.py.
 from __future__ import annotations
 
 import hashlib
+import json
 import multiprocessing
 import os
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +23,8 @@ import numpy as np
 
 from orchestration import InputError, Scenario
 from orchestration.errors import writing
+from orchestration.results.arrays import Arrays
+from orchestration.results.view import view
 from orchestration.results.whole import put
 from orchestration.scenario.text import written
 from orchestration.session.open import open_fmus
@@ -103,6 +107,24 @@ def _fly(path: Path) -> None:
     with new.open("wb") as file:
         np.savez(file, **arrays, time=result.time, failure=np.array(failure), key=np.array(key))
     new.replace(kept)
+
+
+def motion(file: Path, duration: str, folder: Path) -> dict[str, Any] | None:
+    """Returns what a view shows of the scenario as it stands, with its arrays; flown once and kept. None where it has
+    no attitude to be seen."""
+    path = folder / "as-it-stands.yaml"
+    with writing(folder):
+        put(path, _text(file, Flight(path.stem, {"duration": duration}, ("*",)), folder))
+    scenario = load(read(path))
+    kept, key = path.with_suffix(".json"), _key(scenario)
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        data = json.loads(kept.read_text("utf-8"))
+        if data["key"] == key:
+            shown: dict[str, Any] | None = data["view"]
+            return shown
+    shown = view(whole(scenario), Arrays(inline=True))
+    put(kept, json.dumps({"key": key, "view": shown}))
+    return shown
 
 
 def _key(scenario: Scenario) -> str:

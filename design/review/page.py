@@ -66,6 +66,8 @@ def _section(section: Section, made: html.Page, number: int) -> Markup:
     if section.drawing:  # made by drawing.py from numbers alone
         content.append(Markup('<div class="drawing">{}</div>\n').format(Markup(section.drawing)))
     content.append(html.listed(section.notes, "notes"))
+    if section.motion:
+        content += [Markup("<h3>The file's own tumble</h3>\n"), made.view(section.motion)]
     content += [table(one) for one in section.tables]
     content += [figure(one, made) for one in section.figures]
     anchor = Markup('<div id="{}">').format(_Anchor(section.heading).anchor)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from time import perf_counter
@@ -17,6 +18,7 @@ from . import inputs, manoeuvres, margins, pointing, studies, tumbles, verify
 from .content import Review, Section
 from .facts import Facts, facts
 from .flights import fly
+from .flights import motion as flown_alone
 from .options import Options, Tell
 from .power import power
 
@@ -50,6 +52,7 @@ def review(
     singles = [*manoeuvres.slews(found), *tracks, *manoeuvres.failing(found)]
     flown = fly(file, holds, place, options.workers, lambda done: tell("holds", done, len(holds)))
     flown |= fly(file, singles, place, options.workers, lambda done: tell("manoeuvres", done, len(singles)))
+    motion = flown_alone(file, f"{tumbles.ORBITS * found.period:.6g} s", place)
     disturbed, factors = inputs.disturbances(found)
     agility, slew_time = manoeuvres.agility(found, flown)
     station, station_error = manoeuvres.tracking(found, flown, why)
@@ -64,7 +67,7 @@ def review(
     sections = [
         inputs.data(found),
         disturbed,
-        tumbles.section(found, options, case, rows),
+        replace(tumbles.section(found, options, case, rows), motion=motion),
         pointing.section(found, options, flown),
         agility,
         station,
@@ -74,7 +77,7 @@ def review(
         required,
         _left(found),
     ]
-    runs = options.runs + len(holds) + len(singles)
+    runs = options.runs + len(holds) + len(singles) + 1
     shown = {
         "flights": f"{runs}, seed {options.seed}",
         "confidence": f"{100 * options.confidence:g}%",
@@ -90,11 +93,11 @@ def _planned(found: Facts, options: Options) -> str:
     holds = sum(pointing.members(options, name) for name in pointing.cases(found))
     fails = len(studies.failures(found)) + 1
     slews = len(manoeuvres.slews(found))
-    orbits = tumbles.ORBITS * options.runs + (pointing.SETTLED + pointing.OBSERVED) * holds
+    orbits = tumbles.ORBITS * (options.runs + 1) + (pointing.SETTLED + pointing.OBSERVED) * holds
     orbits += manoeuvres.ENDS * fails + slews + manoeuvres.PASS
     minutes = orbits * found.period / found.scenario.step / SPEED / max(options.workers, 1) / 60.0
     return (
-        f"{options.runs + holds + fails + slews} flights, {orbits:.0f} orbits: about {max(minutes, 1):.0f} min on "
+        f"{options.runs + holds + fails + slews + 1} flights, {orbits:.0f} orbits: about {max(minutes, 1):.0f} min on "
         f"{max(options.workers, 1)} free cores at {SPEED:,} steps a second, less what has been flown"
     )
 

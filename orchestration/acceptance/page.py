@@ -80,7 +80,7 @@ def sections(comparison: Comparison, made: Page) -> list[Markup]:
 def _motion(comparison: Comparison, made: Page) -> Markup:
     """Returns the view of the run with theirs, ours as its ghost; nothing where one of them has no attitude to show."""
     ours, theirs = (seen.view(result, made.arrays) for result in (comparison.ours, comparison.theirs))
-    return made.view(ours and theirs and {**theirs, "former": ours, "names": ["with theirs", "with ours"]})
+    return made.view(seen.beside(theirs, ours, ("with theirs", "with ours")))
 
 
 def _open_loop(comparison: Comparison, made: Page) -> Markup:

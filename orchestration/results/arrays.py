@@ -27,24 +27,26 @@ class Arrays:
     """The arrays of a page, each once."""
 
     items: list[dict[str, Any]] = field(default_factory=list)
+    inline: bool = False
+    """Whether an array stands where it is used instead of its place: for data that are kept without a page."""
     _places: dict[tuple[str, bytes, float], int] = field(default_factory=dict)
 
-    def add(self, values: NDArray[Any]) -> int:
-        """Returns the array's place among all."""
+    def add(self, values: NDArray[Any]) -> int | dict[str, Any]:
+        """Returns the array's place among all, or itself."""
         return self._place(*_packed(values))
 
-    def add_short(self, values: NDArray[Any]) -> int:
-        """Returns the array's place among all; two bytes a number, 1/32767 of the largest magnitude apart."""
+    def add_short(self, values: NDArray[Any]) -> int | dict[str, Any]:
+        """Returns the same with two bytes a number, 1/32767 of the largest magnitude apart."""
         clean = np.where(np.isfinite(values), values, 0.0).astype(float)
         scale = float(np.abs(clean).max(initial=0.0)) / 32767 or 1.0
         return self._place("i2", np.round(clean / scale).astype("<i2").tobytes(), scale)
 
-    def _place(self, kind: str, data: bytes, scale: float = 1.0) -> int:
+    def _place(self, kind: str, data: bytes, scale: float = 1.0) -> int | dict[str, Any]:
         place = self._places.setdefault((kind, data, scale), len(self.items))
         if place == len(self.items):
             item: dict[str, Any] = {"type": kind, "data": base64.b64encode(data).decode("ascii")}
             self.items.append({**item, "scale": scale} if kind == "i2" else item)
-        return place
+        return self.items[place] if self.inline else place
 
 
 def kept(values: NDArray[Any], rows: int) -> NDArray[np.intp]:

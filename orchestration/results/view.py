@@ -5,7 +5,7 @@ What a scenario does not say is taken from the interfaces of the project's own b
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -76,6 +76,11 @@ def view(result: RunData, arrays: Arrays) -> dict[str, Any] | None:
         "phases": _marks(result, entry),
         **_around(result, parameters),
     }
+
+
+def beside(shown: dict[str, Any] | None, former: dict[str, Any] | None, names: Sequence[str]) -> dict[str, Any] | None:
+    """Returns what a view of two flights draws, the second one as a ghost of the first; None where one has no view."""
+    return shown and former and {**shown, "former": former, "names": list(names)}
 
 
 def _around(result: RunData, parameters: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:

@@ -15,7 +15,7 @@ from orchestration.live.system import prepare
 from orchestration.session.read import load
 from orchestration.session.run import whole
 
-from ..orchestration.live.drawn import flown, trials
+from ..orchestration.live.drawn import flown, paused, trials
 from ..orchestration.results.browser import executable, launched
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
@@ -43,6 +43,7 @@ def command(names: tuple[str, ...], count: int, seed: int) -> None:
         for stem in names or sorted(file.stem for file in SCENARIOS.glob("*.yaml")):
             tab.open(made(folder, stem), 1400)
             flown(tab)
+            paused(tab)
             try:
                 seen = trials(tab, folder / "scenarios", count, np.random.default_rng(seed))
             except (AssertionError, TimeoutError) as error:

@@ -19,9 +19,9 @@ const motion = (() => {
     return fromAxes(...[0, 1, 2].map((k) => [row[k], row[3 + k], row[6 + k]]));
   };
 
-  // Of the data of a page: an array is a place among those of the page, or the numbers themselves.
+  // Of the data of a page: an array is one that the page has packed, or the numbers themselves.
   function read(data, array) {
-    const numbers = (place) => (typeof place === "number" ? array(place) : place);
+    const numbers = (place) => (ArrayBuffer.isView(place) ? place : array(place));
     const time = numbers(data.time), n = time.length;
     const rows = (place) => {
       if (place == null) return null;

@@ -24,7 +24,7 @@ const timeline = {
   const unpacked = new Map();
   function array(place) {
     if (!unpacked.has(place)) {
-      const { type, data, scale } = page.arrays[place];
+      const { type, data, scale } = page.arrays[place] ?? place; // or the array itself
       const text = atob(data), bytes = new Uint8Array(text.length);
       for (let i = 0; i < bytes.length; i++) bytes[i] = text.charCodeAt(i);
       const read = new { u1: Uint8Array, i2: Int16Array, f4: Float32Array, f8: Float64Array }[type](bytes.buffer), values = new Array(read.length);

@@ -216,28 +216,29 @@
 
   const named = data.names || ["this flight", "flight before"], INSTANTS = 6, SMALL = 180; // px
   let later = 0;
-  function multiples() { // both flights at the same instants, as the camera stands
+  function multiples() { // a flight, or two at the same instants, as the camera stands
     clearTimeout(later);
-    if (former && part("both").open) later = setTimeout(compared, 250);
+    if (part("both").open) later = setTimeout(compared, 250);
   }
   function compared() {
     if (playing) return; // once it stands
-    const kept = [flown, former, now], end = Math.min(flown.last, former.last);
+    const kept = [flown, former, now], end = Math.min(flown.last, former?.last ?? Infinity);
     const instants = Array.from({ length: INSTANTS }, (_, i) => first + (i / (INSTANTS - 1)) * (end - first));
-    const cells = [[named[0], flown], [named[1], former]].flatMap(([name, own]) => [name, ...instants.map((t) => {
+    const flights = former ? [[named[0], flown], [named[1], former]] : [["", flown]];
+    const cells = flights.flatMap(([name, own]) => [name, ...instants.map((t) => {
       [flown, former, now] = [own, null, t];
       render();
       const cell = document.createElement("div"), small = Object.assign(document.createElement("canvas"), { width: SMALL, height: SMALL });
       const { width, height: high } = canvas, side = Math.min(width, high);
       small.getContext("2d").drawImage(canvas, (width - side) / 2, (high - side) / 2, side, side, 0, 0, SMALL, SMALL);
       small.setAttribute("role", "img");
-      small.setAttribute("aria-label", `${name}: ${part("words").textContent}`);
+      small.setAttribute("aria-label", `${name && `${name}: `}${part("words").textContent}`);
       const q = own.attitude(own.bracket(t)), desired = own.desired(own.bracket(t));
       cell.append(small, `${figures(t, 4)} s${q && desired ? `, ${figures(apart(q, desired), 3)} deg off` : ""}`);
       return cell;
     })]);
     [flown, former, now] = kept;
-    part("strip").replaceChildren(...cells.map((cell) => (cell.append ? cell : Object.assign(document.createElement("b"), { textContent: cell }))));
+    part("strip").replaceChildren(...cells.filter(Boolean).map((cell) => (cell.append ? cell : Object.assign(document.createElement("b"), { textContent: cell }))));
     render();
   }
   part("both").addEventListener("toggle", multiples);
@@ -306,7 +307,8 @@
     part(name).closest("label").hidden = name === "lvlh" ? !orbiting : name === "before" ? !former : data[name] == null;
   }
   part("before").nextSibling.textContent = `${named[1]} (grey)`;
-  part("both").hidden = !former;
+  const strip = () => { part("both").firstChild.textContent = former ? "Both flights side by side" : `The flight at ${INSTANTS} instants`; };
+  strip();
   if (!orbiting) for (const name of ["orbit", "earth"]) part("frame").querySelector(`[value=${name}]`).remove();
   part("field").closest("label").hidden = part("camera").closest("label").hidden = !orbiting;
   part("field").addEventListener("change", () => { earth.field.visible = shown("field"); draw(); });
@@ -351,7 +353,8 @@
   });
   document.addEventListener("before", () => {
     former = flown;
-    part("before").closest("label").hidden = part("both").hidden = false;
+    part("before").closest("label").hidden = false;
+    strip();
   });
   document.addEventListener("flown", ({ detail }) => { // a live page has flown again, or a part of it
     flown = motion.read(detail.view, array);

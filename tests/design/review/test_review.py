@@ -2,14 +2,17 @@
 
 import csv
 from types import SimpleNamespace
+from base64 import b64decode
 
+import numpy as np
 import pytest
 
+from design.review import compare, content, flights, margins, page, run
 from design.review import facts as of
-from design.review import flights, margins, page, run
 from design.review.options import Options, requirements
 from evidence.paper import ROOT
-from orchestration.session.read import read
+from orchestration.session.read import load, read
+from orchestration.session.run import whole
 
 pytestmark = pytest.mark.fly
 
@@ -45,7 +48,14 @@ def test_a_review_has_all_sections_and_goes_on_where_it_was_stopped(satellite, t
     rows = list(csv.DictReader((tmp_path / "out" / "requirements.csv").open()))
     assert [row["id"] for row in rows] == ["R1", "R2", "R3"]
     assert "--replay" in rows[1]["worst case"]
+    motion = content.load(tmp_path / "out").sections[2].motion
+    flown = whole(load(read(tmp_path / "out" / "flights" / "as-it-stands.yaml")))
+    time = np.frombuffer(b64decode(motion["time"]["data"]), "<f4")
+    assert time == pytest.approx(flown.time)
+    both = compare.compared(found, found, ("one", "other"))
+    assert both.sections[2].motion["names"] == ["A: one", "B: other"]
     text = page.page(found)
+    assert text.count('class="view"') == page.page(both).count('class="view"') == 1
     assert all(f". {heading}</h2>" in text for heading in SECTIONS)
     monkeypatch.setattr(flights, "whole", lambda scenario: pytest.fail("it was flown again"))
     again = once()

@@ -20,6 +20,11 @@ def flown(page: Tab) -> dict[str, str]:
     return page.page.evaluate("({...document.documentElement.dataset})")
 
 
+def paused(page: Tab) -> None:
+    """Stops the motion, which takes a processor for itself as long as the page is open."""
+    page.page.evaluate("document.querySelector('[data-part=play][aria-pressed=true]')?.click()")
+
+
 def move(page: Tab, positions: Mapping[int, float]) -> None:
     """Moves sliders by their numbers, all before the worker answers."""
     moves = "; ".join(

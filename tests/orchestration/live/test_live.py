@@ -19,7 +19,7 @@ from orchestration.session.read import load
 from tests.orchestration.results.browser import Tab, box
 from tests.orchestration.results.test_place import full
 
-from .drawn import flown, move, native, saved, trials, verdicts
+from .drawn import flown, move, native, paused, saved, trials, verdicts
 from .test_system import minimal
 
 pytestmark = pytest.mark.compile
@@ -63,11 +63,6 @@ def folder(tmp_path_factory):
     shutil.copytree(ROOT / "scenarios", folder / "scenarios")
     made(folder, "paper_no_singularity").rename(folder / "vb.html")
     return folder
-
-
-def paused(page: Tab) -> None:
-    """Stops the motion, which takes a processor for itself as long as the page is open."""
-    page.page.evaluate("document.querySelector('[data-part=play][aria-pressed=true]')?.click()")
 
 
 @pytest.fixture(scope="module")
