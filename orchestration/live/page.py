@@ -174,6 +174,7 @@ def _control(live: Live, control: Control) -> dict[str, Any]:
         name = variable.name if named is whole else variable.label(element.position)
         shape = variable.shape if named is whole else ()
         names.append({"block": block, "name": name, "shape": shape, "places": [places[node] for node in named]})
+        names += [each for each in _helped(live, block) if each["name"] != name]
     return {
         "start": control.slider.start,
         "measure": control.slider.measure,
@@ -184,6 +185,19 @@ def _control(live: Live, control: Control) -> dict[str, Any]:
         "places": [[places[node] for node in nodes] for nodes in control.nodes],
         "names": names,
     }
+
+
+def _helped(live: Live, block: str) -> list[dict[str, Any]]:
+    """Returns what helper inputs of a block give: the page keeps it where a slider changes what it rests on."""
+    model, places = live.opened.plan.models[block], live.tables.places
+    stated = {name.variable for name in (*live.scenario.shared, *live.scenario.blocks[block].start)}
+    given = [model.variables[helper.gives] for name, helper in model.helpers.items() if name in stated]
+    nodes = [(variable, [Node(block, element) for element in variable.elements]) for variable in given]
+    return [
+        {"block": block, "name": variable.name, "shape": variable.shape, "places": [places[node] for node in each]}
+        for variable, each in nodes
+        if all(node in places for node in each)
+    ]
 
 
 def _plot(native: RunData, entry: FigureEntry, panel: Panel) -> dict[str, Any]:

@@ -125,19 +125,23 @@ class _Given:
         return shared.values | own.values
 
     def _put(self, layer: _Layer, key: Key, name: Name, value: Any, values: _Values) -> None:
-        options = self.scenario.source.options
+        above = self._above(key)
         try:
             given = values(name, value)
             for element in given:
                 first = layer.keys.get(element, key)
-                if first != key and (first in options) == (key in options):
+                if first != key and self._above(first) == above:
                     raise QuantityError(f"has a start value already, by {first[-1]!r}{self._line(first, key)}")
-            # An option takes the place of what the file says.
-            kept = {e: value for e, value in given.items() if layer.keys.get(e, key) not in options or key in options}
+            # An option takes the place of what the file says, and the file that of what files say that it extends.
+            kept = {e: value for e, value in given.items() if self._above(layer.keys.get(e, key)) <= above}
             layer.values |= kept
             layer.keys |= dict.fromkeys(kept, key)
         except (QuantityError, NameUnknown) as error:
             self.errors.append(Problem(str(error), place=self._place(key)))
+
+    def _above(self, key: Key) -> int:
+        source = self.scenario.source
+        return 2 if key in source.options else int(source.files.get(key, source.file) == source.file)
 
     def _line(self, first: Key, key: Key) -> str:
         source = self.scenario.source

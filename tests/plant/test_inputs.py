@@ -65,6 +65,25 @@ def test_a_value_of_the_block_goes_before_a_shared_one_of_a_helper_and_the_other
     assert found == 6978137.0
 
 
+@pytest.mark.parametrize(
+    ("below", "above", "radius"),
+    [
+        ("altitude: 600 km", "orbit_radius: 7000 km", 7e6),
+        ("orbit_radius: 7000 km", "altitude: 600 km", 6978137.0),
+    ],
+)
+def test_a_value_of_a_file_goes_before_one_that_a_helper_gives_in_a_file_that_it_extends(
+    tmp_path: Path, below, above, radius
+):
+    start = "blocks:\n  plant:\n    start:\n      "
+    own = "name: a\nstep: 1 s\nduration: 1 s\nblocks:\n  plant:\n    fmu: plant\n    start:\n"
+    (tmp_path / "below.yaml").write_text(
+        f"{own}      dipole_cmd: [0, 0, 0]\n      wheel_torque_cmd: 0\n      {below}\n"
+    )
+    (tmp_path / "above.yaml").write_text(f"extends: below.yaml\n{start}{above}\n")
+    assert run(tmp_path / "above.yaml").manifest["parameters"]["plant"]["orbit_radius"] == radius
+
+
 def test_shared_values_feed_the_helpers_of_a_block():
     result = flown({"altitude": "600 km", "omega_LVLH_B0": [0, 0, 0]})
     assert result["plant.omega_B"][0][1] == pytest.approx(-math.sqrt(3.986004418e14 / 6978137.0**3), rel=1e-14)

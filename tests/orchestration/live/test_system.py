@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from orchestration.errors import InputError
 from orchestration.live.sliders import controls
+from orchestration.live.suggestions import with_suggestions
 from orchestration.live.system import checked, prepare
 from orchestration.session.open import open_scenario
 from orchestration.session.read import load
 
 pytestmark = pytest.mark.compile
+
+SCENARIOS = Path(__file__).parents[3] / "scenarios"
 
 
 def minimal(**changes):
@@ -21,6 +26,13 @@ def minimal(**changes):
         "blocks": {"plant": {"fmu": "plant", "start": {"dipole_cmd": [0, 0, 0], "wheel_torque_cmd": 0}}},
     }
     return {**data, **changes}
+
+
+@pytest.mark.parametrize("file", sorted(SCENARIOS.glob("*.yaml")), ids=lambda file: file.stem)
+def test_what_each_scenario_says_of_its_page_fits_its_blocks(file):
+    scenario = load(file)
+    _, _, sliders, _ = checked(with_suggestions(scenario, open_scenario(scenario).plan))
+    assert sliders
 
 
 @pytest.mark.parametrize(
