@@ -50,5 +50,5 @@ def command(names: tuple[str, ...], count: int, seed: int) -> None:
                 bad += 1
                 click.echo(f"{stem}: ERROR: {error}")
             else:
-                click.echo(f"{stem}: {count} settings, {len(seen)} hashes, each that of the native run")
+                click.echo(f"{stem}: {count} settings, {len(seen)} hashes, each flight that of the native run")
     sys.exit(bool(bad))
