@@ -76,19 +76,22 @@
     });
     return new URLSearchParams(parts).toString();
   }
-  function ofAddress() {
-    const given = new URLSearchParams(location.hash.slice(1)), read = own();
-    live.controls.forEach(({ start }, i) => {
-      const value = Number(given.get(start) || NaN);
-      if (Number.isFinite(value)) read.moved[i] = bounded(value, Number(inputs[i].min), Number(inputs[i].max));
-    });
-    live.faults.forEach(({ data, most }, i) => {
-      const text = given.get(named(i));
-      if (text === null) return;
-      read.on[i] = Number(text !== "off");
-      if (text !== "off" && Number.isFinite(Number(text))) read.shifts[i] = bounded(counted(Number(text)), 0, most) - counted(data.at);
-    });
-    return read;
+  function ofAddress() { // and what of it cannot be taken as it is, in words
+    const read = own(), other = [];
+    for (const [name, text] of new URLSearchParams(location.hash.slice(1))) {
+      const i = live.controls.findIndex(({ start }) => start === name), k = live.faults.findIndex((_, n) => named(n) === name);
+      const value = text.trim() ? Number(text) : NaN, finite = Number.isFinite(value);
+      let taken = null;
+      if (i >= 0 && finite) {
+        taken = read.moved[i] = bounded(value, Number(inputs[i].min), Number(inputs[i].max));
+      } else if (k >= 0 && (finite || text === "off")) {
+        const { data, most } = live.faults[k], at = finite ? bounded(counted(value), 0, most) : counted(data.at);
+        [read.on[k], read.shifts[k]] = [Number(finite), at - counted(data.at)];
+        taken = finite && Math.abs(instant(at) - value) < live.step ? value : finite ? instant(at) : NaN;
+      }
+      if (taken === null || (finite && taken !== value)) other.push(`${name}=${text}${taken === null ? "" : ` (${taken} is taken)`}`);
+    }
+    return [read, other.length ? `The address has what this page does not take: ${other.join(", ").slice(0, 200)}` : ""];
   }
 
   // ---------------------------------------------------------------- flights
@@ -167,6 +170,7 @@
 
   // ---------------------------------------------------------------- controls
 
+  let later = 0;
   function show() {
     inputs.forEach((input, i) => {
       const value = now.moved[i] ?? input.defaultValue, { unit } = live.controls[i];
@@ -179,7 +183,8 @@
       if (document.activeElement !== times[i]) times[i].value = instant(begins(i));
     });
     at("undo").disabled = !past.length;
-    history.replaceState(null, "", [location.href.split("#")[0], address()].filter(Boolean).join("#"));
+    clearTimeout(later); // browsers refuse hundreds of addresses in some seconds
+    later = setTimeout(() => history.replaceState(null, "", [location.href.split("#")[0], address()].filter(Boolean).join("#")), 150);
   }
   function take(to, keep = true) { // with `keep` the flight up to now stays as the one before
     if (keep) {
@@ -190,7 +195,8 @@
     show();
     fly();
   }
-  function change(to, drag = false) {
+  function change(to, drag = false, said = "") {
+    at("address").textContent = said;
     if (same(to, now)) return;
     if (!dragging) past.push(now);
     take(to, !dragging);
@@ -203,7 +209,7 @@
     input.addEventListener("change", () => { dragging = false; });
     typed[i].addEventListener("change", () => {
       if (typed[i].value.trim() && Number.isFinite(Number(typed[i].value))) change(moved(i, Number(typed[i].value)));
-      typed[i].value = now.moved[i] ?? input.defaultValue;
+      typed[i].value = now.moved[i] ?? Number(input.defaultValue);
     });
   });
   function inject(i, time) {
@@ -229,9 +235,13 @@
     event.preventDefault();
     change(own());
   });
-  addEventListener("hashchange", () => change(ofAddress()));
+  addEventListener("hashchange", () => {
+    const [read, said] = ofAddress();
+    change(read, false, said);
+    show();
+  });
   addEventListener("submit", (event) => event.preventDefault());
-  now = ofAddress();
+  [now, at("address").textContent] = ofAddress();
   show();
   judge(live.verdicts);
   fly();

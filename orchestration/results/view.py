@@ -182,12 +182,7 @@ def _body(entry: ViewEntry, parameters: Mapping[str, Any]) -> dict[str, Any]:
     length, width = (float(_value(getattr(entry.body, key), parameters)) for key in ("length", "width"))
     axis = str(_value(entry.body.axis, parameters))
     largest = max(length, width)
-    return {
-        "length": length / largest,
-        "width": width / largest,
-        "axis": _AXES.get(axis, 0),
-        "sides": entry.body.sides,
-    }
+    return {"length": length / largest, "width": width / largest, "axis": _AXES.get(axis, 0), "sides": entry.body.sides}
 
 
 def unit_of(variable: Variable) -> tuple[Unit, float]:

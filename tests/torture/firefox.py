@@ -15,7 +15,7 @@ from typing import Any
 import click
 import numpy as np
 
-from orchestration import run
+from orchestration import BlockError, InputError, run
 
 from .pages import SCENARIOS, made
 
@@ -36,7 +36,7 @@ class Firefox:
         self.process = subprocess.Popen(given, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         assert self.process.stderr
         address = next(found[0] for line in self.process.stderr if (found := re.search(r"ws://\S+", line)))
-        self.socket, self.asked = connect(f"{address}/session", max_size=None), 0
+        self.socket, self.asked = connect(f"{address}/session", max_size=None).__enter__(), 0
         self.console: list[str] = []
         self.ask("session.new", capabilities={})
         self.ask("session.subscribe", events=["log.entryAdded"])
@@ -55,6 +55,14 @@ class Firefox:
         target = {"context": self.tab}
         found = self.ask("script.evaluate", expression=expression, target=target, awaitPromise=True)
         return found["result"].get("value")
+
+
+def _native(scenario: Path) -> str:
+    """Returns the hash of the native run; empty where a block refuses it, as the page then has none."""
+    try:
+        return run(scenario).sha256
+    except (BlockError, InputError):
+        return ""
 
 
 @click.command("firefox")
@@ -78,13 +86,14 @@ def command(names: tuple[str, ...], count: int, seed: int) -> None:
                 equal = tab.evaluate("document.querySelector('#same').textContent") == "the same as of the native run"
                 for _ in range(count):
                     tab.evaluate(
-                        f"(() => {{ const it = document.querySelector('[data-control]'), s = {drawn.random()};"
+                        f"(() => {{ const all = document.querySelectorAll('[data-control]'), s = {drawn.random()};"
+                        f" const it = all[Math.floor({drawn.random()} * all.length)];"
                         " it.value = Number(it.min) + s * (it.max - it.min); it.dispatchEvent(new Event('input')); })()"
                     )
                     tab.evaluate(SHOWN)
                     scenario = folder / "scenarios" / "of_the_page.yaml"
                     scenario.write_text(tab.evaluate("document.querySelector('#scenario').textContent"), "utf-8")
-                    equal &= tab.evaluate("document.documentElement.dataset.hash") == run(scenario).sha256
+                    equal &= tab.evaluate("document.documentElement.dataset.hash") == _native(scenario)
                 bad += not equal
                 click.echo(
                     f"{stem}: {count + 1} flights, {'each' if equal else 'ERROR: not each'} with the native hash"

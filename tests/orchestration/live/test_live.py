@@ -208,14 +208,30 @@ def test_a_link_carries_what_was_changed_and_undo_takes_it_back(page, folder):
     turned = flown(page)["hash"]
     page.page.click("[data-fault='2']")
     both = flown(page)["hash"]
-    address = page.page.evaluate("location.hash")
-    assert address == "#plant.Q0=140&fault3=100"
+    address = "#plant.Q0=140&fault3=100"
+    page.until(f"location.hash === {address!r}")
     page.page.click("#undo")
     assert flown(page)["hash"] == turned
     page.page.keyboard.press("Control+z")
     assert flown(page)["hash"] == first
     page.page.evaluate(f"location.hash = {address!r}")
     page.until("document.documentElement.dataset.hash === " + repr(both))
+
+
+@pytest.mark.parametrize(
+    ("given", "said", "taken"),
+    [
+        ("plant.Q0=1e308", "plant.Q0=1e308 (175 is taken)", "#plant.Q0=175"),
+        ("plant.Q0=NaN&fault1=&fault2=soon&x=1", "plant.Q0=NaN, fault1=, fault2=soon, x=1", ""),
+        ("fault1=1e300&fault2=-1", "fault1=1e300 (386 is taken), fault2=-1 (0 is taken)", "#fault1=386&fault2=0"),
+    ],
+)
+def test_what_an_address_has_that_the_page_cannot_take_is_said_and_does_nothing(page, given, said, taken):
+    page.page.evaluate(f"location.hash = {given!r}")
+    page.until(f"document.querySelector('#address').textContent.endsWith(': ' + {said!r})")
+    page.until(f"location.hash === {taken!r}")
+    assert flown(page)["state"] == "shown"
+    assert page.complaints == []
 
 
 def test_the_flight_before_stays_as_a_ghost_until_the_next_change(page):

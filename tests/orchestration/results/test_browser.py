@@ -74,6 +74,20 @@ def test_the_values_under_the_mouse_are_told_with_units_and_the_time_in_cycles(t
     assert values(tab, 1)[0] == time  # the plots move together
 
 
+@pytest.mark.parametrize("width", [1400, 390])
+def test_the_values_under_the_mouse_stand_above_the_curves(tab, width):
+    tab.resize(width)
+    x, y, w, h = box(tab, ".plot .u-over")
+    tab.page.mouse.move(x + w / 2, y + h / 2)
+    tab.settle()
+    ends = "it => it.getBoundingClientRect()"
+    told = tab.page.locator(".plot .readout").first.evaluate(ends)
+    curves = tab.page.locator(".plot .u-over").first.evaluate(ends)
+    assert told["height"] > 0
+    assert told["bottom"] <= curves["top"]
+    assert 0 <= told["left"] < told["right"] <= width
+
+
 def test_dragging_and_keys_zoom_and_move_all_plots_until_a_double_click(tab):
     def reach(plot: int = 0) -> float:
         x, y, w, h = box(tab, ".u-over", plot)
