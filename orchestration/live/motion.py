@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from ..results import phases, view
+from ..results import parts, phases, view
 from ..results.data import RunData
 from ..results.phases import Condition
 from ..scenario.references import Reference
@@ -34,7 +34,7 @@ def motion(native: RunData, shown: dict[str, Any]) -> dict[str, Any]:
             {
                 "columns": native.places(arrow.signal),
                 "factor": view.unit_of(native.variable(arrow.signal))[1],
-                "along": None if arrow.along is None else view.directions(arrow.along, parameters),
+                "along": None if arrow.along is None else parts.directions(arrow.along, parameters),
             }
             for arrow in entry.vectors
             if arrow.name in names

@@ -9,6 +9,7 @@ from typing import Any
 from ..errors import InputError
 from ..fmu.interfaces import pages
 from ..fmu.model import Element
+from ..results.parts import NEVER
 from ..rotation import quaternion
 from ..scenario.faults import Fault
 from ..scenario.scenario import Scenario
@@ -31,7 +32,7 @@ def with_suggestions(scenario: Scenario, plan: Plan) -> Scenario:
         (name, pages().get(entry.interface or plan.models[name].name, {})) for name, entry in scenario.blocks.items()
     ]
     sliders = [slider for name, own in suggested for slider in _sliders(name, own.get("sliders", ()), plan)]
-    faults = [fault for name, own in suggested for fault in _faults(name, own.get("faults", ()), scenario)]
+    faults = [fault for name, own in suggested for fault in _faults(name, own.get("faults", ()), scenario, plan)]
     known: dict[str, dict[str, Any]] = {fault["name"]: fault for fault in faults if _acts(fault, scenario, plan)}
     fitting = [slider for slider in sliders if _fits(slider, scenario, plan)]
     return load(scenario.source.with_entry(("live",), {"sliders": fitting, "faults": list(known.values())}))
@@ -49,9 +50,11 @@ def _sliders(block: str, entries: Iterable[dict[str, Any]], plan: Plan) -> Itera
         yield slider
 
 
-def _faults(block: str, entries: Iterable[dict[str, Any]], scenario: Scenario) -> Iterator[dict[str, Any]]:
+def _faults(block: str, entries: Iterable[dict[str, Any]], scenario: Scenario, plan: Plan) -> Iterator[dict[str, Any]]:
     begin = round(_BEGIN * scenario.duration / scenario.step) * scenario.step
     for entry in entries:
+        if "rate" in entry and 0.0 < start_value(plan, Node(block, Element(entry["rate"], 0))) <= NEVER:
+            continue
         kind = next(key for key in ("set", *KINDS) if key in entry)
         end = round((_BEGIN + _LASTS) * scenario.duration / scenario.step) * scenario.step
         yield {

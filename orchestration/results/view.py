@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..fmu.interfaces import pages
 from ..fmu.interfaces import view as of_interface
 from ..fmu.model import Floats, Variable
 from ..quantities import ONE, Unit, shown
@@ -22,6 +21,7 @@ from ..scenario.view import GHOSTS, ViewEntry
 from . import phases
 from .arrays import Arrays, few
 from .data import RunData
+from .parts import around, directions, there, value_of
 from .phases import Band, Condition
 
 ROWS = 2000
@@ -49,12 +49,12 @@ def view(result: RunData, arrays: Arrays) -> dict[str, Any] | None:
         },
         "position": None if entry.position is None else arrays.add(result[entry.position][rows].astype(float).ravel()),
         "sun": None if entry.sun is None else arrays.add_short(result[entry.sun][rows]),
-        "earth": None if entry.epoch is None else _earth_angle(str(_value(entry.epoch, parameters))),
+        "earth": None if entry.epoch is None else _earth_angle(str(value_of(entry.epoch, parameters))),
         "body": _body(entry, parameters),
         "axes": [
             {"name": f"{name} {i + 1}" if len(rows_) > 1 else name, "kind": name, "direction": direction}
             for name, axes in entry.axes.items()
-            for rows_ in [directions(axes, parameters)]
+            for rows_ in [there(result, axes, parameters)]
             for i, direction in enumerate(rows_)
         ],
         "vectors": [
@@ -74,33 +74,13 @@ def view(result: RunData, arrays: Arrays) -> dict[str, Any] | None:
             if values.any()
         ],
         "phases": _marks(result, entry),
-        **_around(result, parameters),
+        **around(result, parameters),
     }
 
 
 def beside(shown: dict[str, Any] | None, former: dict[str, Any] | None, names: Sequence[str]) -> dict[str, Any] | None:
     """Returns what a view of two flights draws, the second one as a ghost of the first; None where one has no view."""
     return shown and former and {**shown, "former": former, "names": list(names)}
-
-
-def _around(result: RunData, parameters: Mapping[str, Any]) -> dict[str, list[dict[str, Any]]]:
-    """Returns the cones of sensors and the stations on the ground that the interfaces of the blocks name."""
-    used = {(str(connection.source.block), connection.source.variable) for connection in result.scenario.connections}
-    found: dict[str, list[dict[str, Any]]] = {"cones": [], "stations": []}
-    for block, stated in result.scenario.blocks.items():
-        own = pages().get(stated.interface or result.models[block].name, {})
-        given = parameters.get(block, {})
-        for cone in own.get("cones", ()):
-            if (block, cone["of"]) in used and cone["axis"] in given:
-                angle = float(given[cone["angle"]]) or cone["default"]
-                (direction,) = directions(given[cone["axis"]], parameters)
-                found["cones"].append({"name": cone["name"], "direction": direction, "angle": angle})
-        for station in own.get("stations", ()):
-            latitude, longitude = (float(given.get(station[key], 0.0)) for key in ("latitude", "longitude"))
-            if latitude or longitude:
-                at = {"latitude": latitude, "longitude": longitude, "elevation": station["elevation"]}
-                found["stations"].append({"name": station["name"], **at})
-    return found
 
 
 def chosen(time: Floats) -> NDArray[np.intp]:
@@ -165,22 +145,10 @@ def _named(block: str, axes: Any, given: Mapping[str, Any]) -> Any:
     return axes
 
 
-def _value(value: Any, parameters: Mapping[str, Mapping[str, Any]]) -> Any:
-    """Returns the value of a parameter that a reference names, or what is no reference itself."""
-    return parameters[value.block][value.variable] if isinstance(value, Reference) else value
-
-
-def directions(axes: Any, parameters: Mapping[str, Any]) -> list[list[float]]:
-    """Returns unit vectors along axes, one a row."""
-    rows = np.atleast_2d(np.array(_value(axes, parameters), float))
-    length = np.linalg.norm(rows, axis=1, keepdims=True)
-    return (rows / np.where(length > 0.0, length, 1.0)).tolist()
-
-
 def _body(entry: ViewEntry, parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the prism with a largest extent of 1."""
-    length, width = (float(_value(getattr(entry.body, key), parameters)) for key in ("length", "width"))
-    axis = str(_value(entry.body.axis, parameters))
+    length, width = (float(value_of(getattr(entry.body, key), parameters)) for key in ("length", "width"))
+    axis = str(value_of(entry.body.axis, parameters))
     largest = max(length, width)
     return {"length": length / largest, "width": width / largest, "axis": _AXES.get(axis, 0), "sides": entry.body.sides}
 

@@ -24,7 +24,7 @@ def test_every_suggestion_names_a_variable_of_its_interface():
     for block in own():
         for entries in pages()[block].values():
             for entry in entries:
-                keys = ("start", "set", "freeze", "cut", "of", "axis", "latitude", "longitude")
+                keys = ("start", "set", "freeze", "cut", "of", "axis", "count", "rate", "latitude", "longitude")
                 names = [entry[key].partition(" ")[0].partition("[")[0] for key in keys if key in entry]
                 assert names
                 assert set(names) <= set(interface(block).variables), (block, entry)

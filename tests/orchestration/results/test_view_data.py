@@ -34,6 +34,21 @@ def test_the_motion_is_kept_to_the_resolution_of_two_bytes():
     assert np.linalg.norm(result["a.r"], axis=1) == pytest.approx(RADIUS)
 
 
+def test_a_view_has_the_wheels_and_sensors_that_are_there():
+    found = {}
+    for name in ("flight_three_wheels", "flight_pyramid", "flight_estimated", "flight_star_tracker"):
+        shown = view.view(run(SCENARIOS / f"{name}.yaml", duration="1 s"), Arrays())
+        wheels = [axis["name"] for axis in shown["axes"] if axis["kind"] == "wheel"]
+        found[name] = len(wheels), [cone["name"] for cone in shown["cones"]]
+    tracker = ["star tracker"]
+    assert found == {
+        "flight_three_wheels": (3, tracker),
+        "flight_pyramid": (4, []),
+        "flight_estimated": (1, []),
+        "flight_star_tracker": (1, tracker),
+    }
+
+
 def test_a_scenario_without_an_attitude_has_no_view():
     assert view.view(swing(), Arrays()) is None
     assert "view" not in data_of(report.page(swing()))
