@@ -1,8 +1,8 @@
 """A whole review, of flights of a minute instead of orbits."""
 
 import csv
-from types import SimpleNamespace
 from base64 import b64decode
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
