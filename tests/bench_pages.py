@@ -99,8 +99,8 @@ def _page(name: str, file: Path, tab: Tab, runs: int, row: Callable[[str, str, s
         if flights and time.perf_counter() - begun > _PATIENCE:
             break
         tab.page.evaluate(
-            "((v) => { const it = document.querySelector('[data-control=\"0\"]'); it.value = v;"
-            f" it.dispatchEvent(new Event('input')); }})({20 + i})"
+            "((share) => { const it = document.querySelector('[data-control=\"0\"]'); it.value = share * it.max;"
+            f" it.dispatchEvent(new Event('input')); }})({0.3 + 0.4 * i / (runs + 2)})"
         )
         tab.until(f"{_STATE}.state === 'shown'", 300)
         flights.append(float(tab.page.evaluate(f"{_STATE}.ms")))
