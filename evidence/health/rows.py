@@ -78,7 +78,8 @@ def named() -> dict[str, Data]:
         name: {"signal": f"estimator.health[{i + 1}]", "reaches": {"above": 1.5}} for i, name in enumerate(SENSORS)
     }
     wheel: Data = {"signal": "controller.wheel_failed", "reaches": {"equals": True}}
-    return {**rods, **sensors, "wheel": wheel}
+    telemetry: Data = {"signal": "controller.h_w_frozen", "reaches": {"equals": True}}
+    return {**rods, **sensors, "wheel": wheel, "wheel_telemetry": telemetry}
 
 
 def _both(campaign: str, text: str, part: str, *faults: Data) -> tuple[Row, Row]:
@@ -149,7 +150,7 @@ ROWS: tuple[Row, ...] = (
                 "wheel",
                 *(_set(f"wheel_coulomb_friction = {(k + 1) * FRICTION[which]:g}", 100.0 * k) for k in range(10)),
             ),
-            _both(which, "wheel telemetry frozen", "wheel", _sensor("freeze", "h_w")),
+            _both(which, "wheel telemetry frozen", "wheel_telemetry", _sensor("freeze", "h_w")),
             _both(which, "one axis of the gyro dead", "gyro", _sensor("cut", "omega_B", element=1)),
             _both(which, "commands held for 120 s", "", *(_held(f"{kind}_cmd") for kind in ("dipole", "wheel_torque"))),
         )

@@ -124,8 +124,7 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
     if (!controller_planned_inputs_fit(u, law->p.gravitational_parameter, f)) {
         return false;
     }
-    const double l = controller_planned_has_h_w(u) ? u->h_w : x->l_own;
-    const Motion now = controller_planned_corrected(x, attitude_of(x, u), vector(u->omega_B), l);
+    const Motion now = controller_planned_corrected(x, attitude_of(x, u), vector(u->omega_B), wheel_momentum(x, u));
     controller_planned_command(law, x, u, &now, controls, y);
     return give(law, y, f);
 }

@@ -45,6 +45,7 @@ typedef struct {
     Friction friction;
     bool rods_alone; /* the wheel gives no torque, and none is asked of it but to see whether it works again */
     SensorsWatch sensors;
+    MomentumWatch momentum;
     /* The last sample. */
     double t_sample;
     Motion measured;
@@ -86,6 +87,12 @@ static inline Matrix attitude_of(const ControllerPlannedState *x, const Controll
     return x->sensors.attitude_frozen ? x->sensors.turned_R : matrix(u->R_NB);
 }
 
+/* The wheel's momentum, N m s: measured, or by the controller's own account where it is not, or frozen. */
+static inline double wheel_momentum(const ControllerPlannedState *x, const ControllerPlannedInputs *u)
+{
+    return controller_planned_has_h_w(u) && !x->momentum.frozen ? u->h_w : x->l_own;
+}
+
 /* Whether a plan is flown. */
 static inline bool is_planned(int32_t phase)
 {
@@ -114,6 +121,11 @@ Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const Control
 
 /* The estimate after the measurement. */
 Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, Vector Omega, double l);
+
+/* What rods and wheel gave over the last sample, of their limits: u_applied, or else what was asked for; the wheel by
+ * h_w where connected, unless it is frozen, which is looked for here. */
+void controller_planned_given(const ControllerPlannedLaw *law, ControllerPlannedState *x,
+                              const ControllerPlannedInputs *u, double dt, double given[CONTROLS]);
 
 /* Takes the sample of the inputs at x->t: field, wheel momentum, identification and filter; x->estimate is then that
  * of now. Returns what surrounds the satellite. */

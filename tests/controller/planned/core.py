@@ -339,6 +339,15 @@ def fields_failed(dt: float, T: float, tolerance: float, b_B: Array, model_B: Ar
     return values()
 
 
+def momenta_frozen(dt: float, h_w: Array, given: Array, noisy: Array) -> tuple[Array, Array, Array]:
+    """Whether the measured momentum is frozen, and blind, at each of n samples (n,), and what stands in for it."""
+    n, l = len(h_w), (c_double * len(h_w))()  # noqa: E741
+    (a, frozen), (b, blind) = _flags(n), _flags(n)
+    says = (c_ubyte * n)(*(int(flag) for flag in noisy))
+    library().probe_watch_momentum(c_double(dt), n, doubles(h_w), doubles(given), says, a, b, l)
+    return frozen(), blind(), np.array(l)
+
+
 def wheel_failed(dt: float, T: float, torque: Array, h_w: Array, h_w_next: Array) -> tuple[Array, Array]:
     """Whether the default wheel has failed, and is stuck, at each of n samples (n,)."""
     n, p = len(torque), filled(_BLOCK, "parameter")

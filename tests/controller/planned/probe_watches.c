@@ -46,6 +46,21 @@ PROBE void probe_watch_field(double dt, double T, double tolerance, int n, const
     }
 }
 
+/* Measured momenta while the wheel gives given[i]: whether each is frozen, what stands in for it, and whether it shows
+ * nothing of its change. */
+PROBE void probe_watch_momentum(double dt, int n, const double *h_w, const double *given, const unsigned char *noisy,
+                                unsigned char *is_frozen, unsigned char *blind, double *l)
+{
+    MomentumWatch watch;
+    memset(&watch, 0, sizeof watch);
+    for (int i = 0; i < n; ++i) {
+        controller_planned_watch_momentum(dt, h_w[i], given[i], noisy[i], &watch);
+        is_frozen[i] = watch.frozen;
+        blind[i] = watch.blind;
+        l[i] = watch.l;
+    }
+}
+
 /* Torques that are asked of a wheel, and its momentum before and after each sample: whether it has failed, or is
  * stuck. */
 PROBE void probe_watch_wheel(const ControllerPlannedParameters *p, double dt, double T, int n, const double *torque,

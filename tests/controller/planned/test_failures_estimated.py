@@ -66,6 +66,43 @@ def spoilt_without_gyro(i, sample):
     return off()(i, sample) | {"rate_health": np.full(len(sample["R_NB"]), 2)}
 
 
+@pytest.mark.parametrize(("sigma", "named"), [(0.05, [0] * 4), (0.01, FAILED)])
+def test_nothing_is_learned_by_a_field_that_an_uncertain_attitude_turns(sigma, named):
+    """Without its magnetometer an estimator gives the field of its model: good where its attitude is."""
+
+    def spoil(i, sample):
+        return off(np.full(3, sigma))(i, sample) | {"field_health": np.full(len(sample["R_NB"]), 3)}
+
+    found = flown(without_bias(failing()), spoil, **NO_TARGET)[1]
+    assert [int(y["failed_rod"]) for y in found[:4]] == named
+
+
+def noise_of(h_w, rng):
+    return h_w + 1e-5 * rng.normal(size=h_w.shape)
+
+
+@pytest.mark.parametrize("until", [150, 260])
+def test_a_momentum_that_is_frozen_is_counted_on_by_the_commands_and_used_again(until):
+    """Frozen at 60 s, while 20 samples at least: until 75 s, and once more from 100 s."""
+    rng, held = np.random.default_rng(5), {}
+
+    def spoil(i, sample):
+        noisy = noise_of(sample["h_w"], rng)
+        begin = 200 if i >= 200 else 120
+        frozen = 120 <= i < 150 or i >= 200
+        return sample | {"h_w": held.setdefault(begin, noisy) if frozen else noisy}
+
+    truth = without_bias(Tumbles(4, 1))
+    y = flown(truth, spoil, samples=until - 1, **NO_TARGET)[1][0]
+    assert y["h_w_frozen"]
+    assert not y["wheel_failed"]
+    assert not y["rod_failed"]
+    assert y["h_w_estimate"] == pytest.approx(truth.h_w[0], abs=1e-4)
+    assert abs(held[200 if until > 200 else 120][0] - truth.h_w[0]) > 2e-4, "what is measured would not do"
+    after = flown(without_bias(Tumbles(4, 1)), spoil, samples=190, **NO_TARGET)[1][0]
+    assert not after["h_w_frozen"]
+
+
 class StuckOn(Tumbles):
     """Rod 1 gives a fifth of its dipole whatever is commanded."""
 
@@ -103,8 +140,9 @@ def test_a_stuck_wheel_shows_by_small_torques_and_is_used_again(until, failed):
     rng = np.random.default_rng(3)
 
     def noisy(i, sample):
-        return sample | {"h_w": sample["h_w"] + 1e-5 * rng.normal(size=sample["h_w"].shape)}
+        return sample | {"h_w": noise_of(sample["h_w"], rng)}
 
     y = flown(Sticks(7, 1), noisy, samples=int(until / DT), **NO_TARGET)[1][0]
     assert bool(y["wheel_failed"]) == failed
+    assert not y["h_w_frozen"], "its noise goes on"
     assert not y["rod_failed"]

@@ -97,6 +97,7 @@ static void store_estimates(const ControllerPlannedState *x, const Model *model,
     y->wheel_failed = controller_planned_wheel_failed(&x->friction);
     y->attitude_frozen = x->sensors.attitude_frozen;
     y->field_failed = x->sensors.field_failed;
+    y->h_w_frozen = x->momentum.frozen;
     store(vector(x->identification.p + GAINS), y->rod_gains_estimate);
     store(vector(x->identification.p + BIAS), y->rate_bias_estimate_B);
     y->wheel_friction_estimate = x->friction.p[0];
@@ -113,7 +114,7 @@ ControllerPlannedOutputs controller_planned_without_attitude(const ControllerPla
     y.no_attitude = true;
     const Model model = controller_planned_estimated(law, x);
     const Vector Omega = subtract(vector(u->omega_B), vector(x->identification.p + BIAS));
-    const Motion now = {identity, Omega, controller_planned_has_h_w(u) ? u->h_w : x->l_own};
+    const Motion now = {identity, Omega, wheel_momentum(x, u)};
     const bool measured =
         has_field(u) && !x->sensors.field_failed; /* one that repeats, too: no model can stand in for it */
     const Vector B_B = measured ? vector(u->b_B) : (Vector){0.0, 0.0, 0.0};

@@ -6,8 +6,9 @@
 
 #include <string.h>
 
-enum { RATE_LOST = 2 };                                /* health of a gyro that is frozen or inconsistent */
-static const double GAIN_MIN = 1e-3;                   /* of a dead rod: it keeps its direction */
+enum { LOST = 2 };                   /* health of a sensor that is frozen or inconsistent */
+static const double TURNED = 0.03;   /* rad: a field off by more changes torques more than the rods do */
+static const double GAIN_MIN = 1e-3; /* of a dead rod: it keeps its direction */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 
 /* The rods' dipoles at their limit. */
@@ -109,27 +110,6 @@ Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const Control
     return ahead;
 }
 
-/* What rods and wheel gave over the last sample: u_applied, or else what was asked for; the wheel by h_w where
- * connected. */
-static void applied(const ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u,
-                    double dt, double given[CONTROLS])
-{
-    const ControllerPlannedParameters *p = &law->p;
-    memcpy(given, x->u, sizeof x->u);
-    if (controller_planned_has_u_applied(u)) {
-        double limits[3];
-        store(controller_planned_rod_dipoles(p), limits);
-        for (int i = 0; i < 3; ++i) {
-            given[i] = u->u_applied[i] / limits[i];
-        }
-        given[3] = u->u_applied[3] / p->wheel_torque_max;
-    }
-    if (controller_planned_has_h_w(u)) {
-        const double told = controller_planned_has_u_applied(u) ? u->u_applied[3] : x->held.wheel_torque_ff;
-        given[3] = controller_planned_wheel_rate(dt, told, x->measured.l, u->h_w, &x->friction) / p->wheel_torque_max;
-    }
-}
-
 Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, Vector Omega, double l)
 {
     const Motion *was = &x->predicted;
@@ -143,6 +123,13 @@ Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, V
     }
     return (Motion){multiply(was->R, rotation_exp(vector(correction))),
                     add(was->Omega, vector(correction + RATE_STATE)), l};
+}
+
+/* Whether the satellite can be learned: the rate is a gyro's, and the field a magnetometer's or turned by an attitude
+ * that is known well. */
+static bool teaches(const ControllerPlannedInputs *u)
+{
+    return u->rate_health < LOST && (u->field_health < LOST || norm(vector(u->attitude_sigma_B)) < TURNED);
 }
 
 /* The motion before the measurement, its covariance, and what the measurement tells. */
@@ -187,7 +174,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
     controller_planned_set_noise(p, u, &x->identification);
-    controller_planned_set_taught(u->rate_health < RATE_LOST, &x->identification);
+    controller_planned_set_taught(teaches(u), &x->identification);
     controller_planned_set_disturbance(&x->scales, x->strained, &x->identification);
     const Vector bias = vector(x->identification.p + BIAS);
     if (p->find_failures) {
@@ -211,20 +198,18 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     around.B_N = add(around.B_N, x->field_bias_N);
     const Vector B_B = uses_field(x, u) ? vector(u->b_B) : apply_transposed(R, around.B_N);
     if (!first) {
-        applied(law, x, u, dt, given);
+        controller_planned_given(law, x, u, dt, given);
         const double l = x->l_own + dt * p->wheel_torque_max * given[3];
         x->l_own = clip(l, -p->wheel_momentum_max, p->wheel_momentum_max);
     }
-    if (controller_planned_has_h_w(u)) {
-        x->l_own = u->h_w;
-    }
+    x->l_own = wheel_momentum(x, u);
     const Motion measured = {R, vector(u->omega_B), x->l_own};
     if (!first) {
         /* What rods give shows only where their commands and the field are known. */
         const bool watched =
             p->find_failures && x->identification.spread > 0.0 && controller_planned_has_u_applied(u) && has_field(u);
         filter(law, x, &measured, B_B, given, &around, dt, watched);
-        if (controller_planned_has_h_w(u) && controller_planned_has_u_applied(u)) {
+        if (controller_planned_has_h_w(u) && controller_planned_has_u_applied(u) && !x->momentum.blind) {
             controller_planned_friction_learn(dt, u->u_applied[3], x->measured.l, measured.l, &x->friction);
         }
     }

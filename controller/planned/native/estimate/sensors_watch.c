@@ -12,6 +12,10 @@ static const double RESIDUAL_TIME = 1.2; /* T, over which the field's residual i
 static const double STRENGTH = 0.25;     /* of the tolerance: an attitude that is wrong changes no strength */
 static const double RIGHT = 0.5;         /* of the tolerance, below which a field is used again */
 
+/* Samples of a momentum that repeat the last one, for each that did so before in turn; and that change, before it is
+ * watched or used again. */
+enum { REPEATS = 20 };
+
 void controller_planned_watch_attitude(double dt, double T, double noise, Matrix R, Vector Omega_before, Vector Omega,
                                        SensorsWatch *watch)
 {
@@ -43,4 +47,28 @@ void controller_planned_watch_field(double dt, double T, double tolerance, Vecto
     const bool wrong =
         watch->field_failed ? size > RIGHT * tolerance : size > tolerance && watch->strength > STRENGTH * tolerance;
     watch->field_failed = wrong || watch->b_repeats > FIELD_FROZEN * T;
+}
+
+void controller_planned_watch_momentum(double dt, double h_w, double given, bool noisy, MomentumWatch *watch)
+{
+    const bool repeats = h_w == watch->h_w, was_frozen = watch->frozen;
+    const bool ends = !repeats && watch->run > watch->longest;
+    if (repeats) {
+        watch->run += watch->run < INT32_MAX ? 1 : 0;
+        watch->l += dt * given;
+    } else {
+        watch->longest = !watch->frozen && watch->run > watch->longest ? watch->run : watch->longest;
+        watch->run = 0;
+        watch->changes += watch->changes < REPEATS ? 1 : 0;
+        watch->noisy = watch->frozen ? watch->noisy : noisy;
+        watch->h_w = watch->l = h_w;
+    }
+    const bool watched = watch->changes == REPEATS && watch->noisy && h_w != 0.0;
+    if (watch->frozen && watch->changes == REPEATS) {
+        watch->frozen = false;
+    } else if (watched && watch->run / REPEATS > watch->longest) {
+        watch->frozen = true;
+        watch->changes = 0;
+    }
+    watch->blind = watch->frozen || was_frozen || (watched && (ends || watch->run > watch->longest));
 }

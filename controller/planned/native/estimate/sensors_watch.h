@@ -1,9 +1,12 @@
-/* Watches the measured attitude and field for one that is frozen, or a field that is far from any model's; and what
- * stands in then: the last attitude turned on by the measured rate, and the field of the onboard model. */
+/* Watches the measured attitude, field and wheel momentum for one that is frozen, or a field that is far from any
+ * model's; and what stands in then: the last attitude turned on by the measured rate, the field of the onboard model,
+ * and the last momentum with what the wheel gives by its commands. */
 #ifndef CONTROLLER_PLANNED_SENSORS_WATCH_H
 #define CONTROLLER_PLANNED_SENSORS_WATCH_H
 
 #include "../motion.h"
+
+#include <stdint.h>
 
 typedef struct {
     Matrix R; /* the last measured attitude, N from B */
@@ -16,6 +19,16 @@ typedef struct {
     bool attitude_frozen, field_failed;
 } SensorsWatch;
 
+typedef struct {
+    double h_w;           /* N m s, the last measured momentum */
+    double l;             /* N m s: that, and what the wheel gave since it changed */
+    int32_t run, longest; /* samples for which it has been the same to the last bit; and the longest such time before */
+    int32_t changes;      /* samples in which it changed, of those that are asked for */
+    bool noisy;           /* it had noise when it changed last: a wheel that stands then does not repeat */
+    bool frozen;
+    bool blind; /* it does not show how the momentum changed over the last sample */
+} MomentumWatch;
+
 /* Takes an attitude that comes dt, s, after the last, with the rate that was estimated then and the one measured now,
  * without bias, rad/s; T is the satellite's time and `noise`, rad, that of the attitude. */
 void controller_planned_watch_attitude(double dt, double T, double noise, Matrix R, Vector Omega_before, Vector Omega,
@@ -24,5 +37,9 @@ void controller_planned_watch_attitude(double dt, double T, double noise, Matrix
 /* Takes a field and that of the model, T, body axes; `tolerance`, T, is how far they may be apart. */
 void controller_planned_watch_field(double dt, double T, double tolerance, Vector b_B, Vector model_B,
                                     SensorsWatch *watch);
+
+/* Takes a measured momentum, N m s, that comes dt, s, after the last, while the wheel gave `given`, N m, by its commands;
+ * `noisy`: its noise is larger than rounding. Zero may be what is counted of a wheel that stands. */
+void controller_planned_watch_momentum(double dt, double h_w, double given, bool noisy, MomentumWatch *watch);
 
 #endif
