@@ -35,7 +35,7 @@ DELAYS = {
 TURNS = (1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)
 CHANGES = {
     VB: ("delay=0..20", "gain=1..400", "gain=1..0.02", "plant.J_B=1..30", "plant.rod_gain=1..0.05"),
-    PLANNED: ("sensors.attitude_noise=1..300", "plant.J_B=1..4", "plant.rod_gain=1..0.1"),
+    PLANNED: ("sensors.attitude_noise=1..3000", "plant.J_B=1..4", "plant.rod_gain=1..0.01"),
 }
 PARAMETERS = ("plant.rod_gain", "plant.J_B")
 """Those of the planned hold on which its decay per orbit depends."""

@@ -144,7 +144,7 @@ def command(
             longest = None if window is None else seconds("--window", window, 0.0)
             found_ = linearized(session, model, round(begin / plan.clock.step), states, longest)
             ctx.exit(_model(found_, begin, target, json_))
-        rig = Rig(session, site(plan, ports), round(begin / plan.clock.step))
+        rig = Rig(session, site(plan, ports), max(round(begin / plan.clock.step), 1))  # nothing is taken before a step
         changes_, seen = [Change.of(text) for text in changed], coordinates(plan, states)
         for option, names in (("--change", [one.name for one in changes_]), ("--sensitivity", sensitive)):
             for name in names:

@@ -48,7 +48,7 @@ class BlockModel:
         """Why there is no model; empty where there is."""
         if not self.model.outputs:
             return "no output is linear here"
-        return f"{self.model.verdict}: no linear model" if self.model.error > LIMIT else ""
+        return self.model.verdict if self.model.error > LIMIT else ""
 
 
 def linearized(

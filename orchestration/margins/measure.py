@@ -122,7 +122,10 @@ def _window(rig: Rig, answer: Response, longest: int) -> tuple[int, float]:
             break
         count = min(2 * count, longest)
     if last < 0.5 * first:
-        answer.refused = f"the answer to a pulse has not died out after {count * rig.period:.4g} s; remedy: --window"
+        answer.refused = (
+            f"the answer to a pulse has not died out after {count * rig.period:.4g} s; remedy: a longer --window, or "
+            "--orbit with --periods for a controller that plans or identifies"
+        )
     else:
         ratio = f"its answer is {last / first:.3g} of that at first" if first > 0.0 else "its answer grows"
         answer.refused = (

@@ -65,6 +65,13 @@ def test_native_foreign_and_python_blocks_have_the_margins_of_the_closed_form(tm
     assert np.degrees(m["phase"]["value"] - (np.pi - crossover * STEP) / 2) == pytest.approx(0.0, abs=1.0)
 
 
+def test_a_loop_is_measured_from_its_first_step_on(tmp_path):
+    status, said = found(toy(tmp_path, static("-g * w")), "plant.wheel_torque_cmd", "--when", "0 s")
+    assert (status, said["refused"], said["when"]) == (0, None, STEP)
+    m = said["channels"]["plant.wheel_torque_cmd"]
+    assert 20 * np.log10(m["gain_up"]["value"] / (2 / (GAIN * STEP))) == pytest.approx(0.0, abs=0.2)
+
+
 @pytest.mark.parametrize("law", LAWS)
 def test_a_loop_without_margins_gives_the_reason_and_no_number(tmp_path, law):
     expression, reason = LAWS[law]
