@@ -133,7 +133,7 @@ SHOWN = "document.querySelector('[data-part=canvas]').toDataURL()"
 def test_the_view_draws_moves_and_turns_and_fits_every_width(chromium, motion):
     chromium.open(motion, 1400)
     page = chromium.page
-    page.evaluate("document.querySelectorAll('details').forEach(fold => fold.open = true)")
+    page.evaluate("document.querySelectorAll('details:not(.both)').forEach(fold => fold.open = true)")
     slider, field = page.locator("[data-part=slider]"), page.get_by_role("checkbox", name="field")
     for width in (1400, 800, 390):
         chromium.resize(width)
@@ -232,6 +232,17 @@ def test_the_view_plays_and_follows_the_cursor_of_a_plot(chromium, motion):
     told = page.get_attribute("[data-part=canvas]", "aria-label") or ""
     at, angle = (float(number) for number in re.findall(r"([\d.]+) (?:s|deg)", told))
     assert angle == pytest.approx(0.5 * at, abs=0.06)  # half a degree a second
+
+
+def test_the_flight_stands_at_six_instants_below_the_view(chromium, motion):
+    chromium.open(motion)
+    fold = chromium.page.locator("[data-part=both]")
+    assert fold.locator("summary").inner_text() == "The flight at 6 instants"
+    fold.evaluate("it => { it.open = true; }")
+    chromium.until("document.querySelectorAll('[data-part=strip] canvas').length === 6")
+    told = fold.locator("[data-part=strip] div").all_inner_texts()
+    assert told == [f"{t} s, {t // 2} deg off" for t in (0, 20, 40, 60, 80, 100)]  # half a degree a second
+    assert len(set(fold.locator("canvas").evaluate_all("all => all.map(it => it.toDataURL())"))) == 6
 
 
 def test_on_paper_the_view_is_a_still_picture_with_its_labels_on_it(chromium, motion):
