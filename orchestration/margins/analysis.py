@@ -65,6 +65,8 @@ class Disk:
 
 
 NONE = Crossing(math.inf, math.nan)
+NOTHING = 1e-300
+"""In the place of a gain of zero, such as that of the place of a wheel that is not there."""
 
 
 def disk(alpha: float) -> Disk:
@@ -78,7 +80,7 @@ def margins(omega: Floats, L: Complex) -> Margins:
     """Returns the margins of one loop, L (lines,) at omega (lines,) rad/s, for a closed loop that is stable as it
     is."""
     x = np.log(omega)
-    size, angle = CubicSpline(x, np.log(np.abs(L))), np.unwrap(np.angle(L))
+    size, angle = CubicSpline(x, np.log(np.maximum(np.abs(L), NOTHING))), np.unwrap(np.angle(L))
     turn = CubicSpline(x, angle)
     ups: list[Crossing] = []
     downs: list[Crossing] = []

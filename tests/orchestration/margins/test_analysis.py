@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from orchestration.margins.analysis import disk, disk_margin, margins, structured
+from orchestration.margins.analysis import alike, disk, disk_margin, margins, structured
 
 OMEGA = np.geomspace(0.01, 100, 120)
 
@@ -59,3 +59,14 @@ def test_channels_without_coupling_have_the_least_disk_margin_of_them():
     alone = margins(OMEGA, L[:, 1]).disk
     together = disk_margin(OMEGA, S[:, :, None] * np.eye(2))
     assert together.value == pytest.approx(alone.value, rel=1e-6)
+
+
+def test_a_channel_without_gain_has_no_margin_and_leaves_those_of_the_others():
+    """The place of a wheel that is not there; an integrator has a phase margin of 90 deg."""
+    omega = np.logspace(-3, 0, 200)
+    L = np.zeros((200, 2, 2), complex)
+    L[:, 0, 0] = 0.1 / (1j * omega)
+    found = alike(omega, L)
+    assert found.phase.value == pytest.approx(np.pi / 2)
+    assert found.phase.omega == pytest.approx(0.1)
+    assert found.gain_up.value == np.inf
