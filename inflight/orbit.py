@@ -112,10 +112,9 @@ def read_elements(path: Path) -> list[Satrec]:
         if not line.startswith("1 "):
             continue
         second = lines[number].rstrip() if number < len(lines) else ""
-        for at, text in ((number, line.rstrip()), (number + 1, second)):
-            if len(text) != 69 or not _sum_is_right(text):
-                text = "expected a line of 69 characters with its check sum, as NORAD's elements have"
-                raise InputError(Problem(text, place=Place(str(path), at)))
+        for at, text, begins in ((number, line.rstrip(), line[:7]), (number + 1, second, f"2 {line[2:7]}")):
+            if wrong := _wrong(text, begins):
+                raise InputError(Problem(wrong, place=Place(str(path), at)))
         sets.append(Satrec.twoline2rv(line, second))
     if not sets:
         raise InputError(f"{path}: expected two-line element sets, found none")
@@ -133,8 +132,15 @@ def ephemeris(path: Path, start: str, t: Floats) -> Ephemeris:
     return Ephemeris({"r_N": ("m", orbit.r_N), "v_N": ("m/s", orbit.v_N)}, lambda: followed(orbit))
 
 
-def _sum_is_right(line: str) -> bool:
-    return line[68].isdigit() and sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10 == int(line[68])
+def _wrong(line: str, begins: str) -> str:
+    """Why a line is none of an element set that begins with a line's number and the satellite's; nothing where it
+    is."""
+    if len(line) != 69:
+        return f"expected a line of 69 characters of an element set, found {len(line)}"
+    if not line.startswith(begins):
+        return f"expected a line that begins with {begins!r}, found {line[:7]!r}"
+    total = str(sum(int(c) if c.isdigit() else c == "-" for c in line[:68]) % 10)
+    return "" if line[68] == total else f"expected the check sum {total} as the last digit, found {line[68]!r}"
 
 
 def orbit_at(sets: Sequence[Satrec], epoch: datetime, t: Floats) -> Orbit:

@@ -131,6 +131,10 @@ class Record:
         if not self.seen.rows:
             some = f" with {', '.join(f'{k} {v!r}' for k, v in self.entry.where.items())}" if self.entry.where else ""
             raise InputError(Problem(f"there are no rows{some}", place=Place(self.shown, self.header.line)))
+        if (older := len(self.seen.disordered)) > self.seen.rows:
+            text = f"{older} rows are older than one before them, more than the {self.seen.rows} that are not"
+            remedy = "'disordered: sorted', or a file without the row whose time is ahead"
+            raise InputError(Problem(text, remedy=remedy, place=Place(self.shown, self.seen.disordered[0])))
         if self.seen.last < 0.0:
             text = f"start: expected at or before the last row, found {-self.seen.last:.6g} s after it"
             raise InputError(Problem(text, place=Place(self.shown, self.header.line)))

@@ -56,7 +56,8 @@ class Header:
         if name not in self.places:
             known = Path(self.file).suffix.lower() in LISTED
             text = f"there is no column {name!r}{hint(name, self.places) if known else ''}"
-            raise InputError(Problem(text, place=Place(self.file, self.line)))
+            remedy = "cells that commas, semicolons or tabs part" if self.width == 1 else ""
+            raise InputError(Problem(text, remedy=remedy, place=Place(self.file, self.line)))
         if name in self.twice:
             raise InputError(Problem(f"several columns are called {name!r}", place=Place(self.file, self.line, name)))
         return self.places[name]
@@ -89,8 +90,26 @@ def header_of(path: Path, shown: str) -> Header:
     except OSError as error:
         raise InputError(f"{shown} cannot be read: {reason(error)}") from None
     except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{shown} is no CSV file in UTF-8: {error}") from None
+        raise _no_csv(path, shown, error) from None
     raise InputError(f"{shown}: expected a header and rows, found nothing")
+
+
+def _no_csv(path: Path, shown: str, error: Exception, line: int | None = None) -> InputError:
+    """The refusal of a file, at the first line that is no UTF-8, or at that which the reader had come to."""
+    text, remedy = f"this is no CSV file: {error}", "quotes that end on their line"
+    if isinstance(error, UnicodeDecodeError):
+        text, remedy = "expected text in UTF-8, found bytes that are none", "the file saved as CSV in UTF-8"
+        with path.open("rb") as file:
+            line = next((n for n, found in enumerate(file, start=1) if not _is_utf8(found)), None)
+    return InputError(Problem(text, remedy=remedy, place=Place(shown, line)))
+
+
+def _is_utf8(line: bytes) -> bool:
+    try:
+        line.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
 
 
 def _reader(file: Iterable[str], delimiter: str = ",") -> Any:
@@ -123,7 +142,7 @@ def _of_csv(path: Path, header: Header, places: list[int]) -> Iterator[Block]:
                     _refuse_more(header, *longer)
                 yield Block(lines, list(zip(*cells, strict=True))[:-1], header.file)
         except (UnicodeDecodeError, csv.Error) as error:
-            raise InputError(f"{header.file} is no CSV file in UTF-8: {error}") from None
+            raise _no_csv(path, header.file, error, reader.line_num) from None
 
 
 def _refuse_more(header: Header, line: int, row: list[str]) -> None:

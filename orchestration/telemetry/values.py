@@ -106,7 +106,8 @@ def _floats(block: Block, cells: Sequence[str], name: str) -> Floats:
         pass
     for row, cell in enumerate(cells):
         if cell.strip() and not are_numbers([cell]):
-            raise block.error(row, name, f"expected a number, found {cell!r}")
+            comma = ", whose comma has to be a point" if are_numbers([cell.replace(",", ".")]) else ""
+            raise block.error(row, name, f"expected a number, found {cell!r}{comma}")
     return np.array([float(cell) if cell.strip() else np.nan for cell in cells])
 
 

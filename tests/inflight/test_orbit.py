@@ -74,10 +74,19 @@ def test_a_plants_orbit_stays_near_that_of_sgp4(elements, duration, km):
     assert float(near.split()[-5]) == pytest.approx(max(off) / 1e3, abs=0.11)
 
 
-def test_an_element_set_with_a_wrong_digit_is_refused_at_its_line(tmp_path):
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("97.3601", "97.3602", r"tle.txt:2: expected the check sum \d as the last digit, found '1'"),
+        ("97.3601", "97.361", r"tle.txt:2: expected a line of 69 characters of an element set, found 68"),
+        ("2 52191", "2 52919", r"tle.txt:2: expected a line that begins with '2 52191', found '2 52919'"),
+        ("2 52191", "1 52191", r"tle.txt:2: expected a line that begins with '2 52191', found '1 52191'"),
+    ],
+)
+def test_a_wrong_line_of_an_element_set_is_refused_at_its_line(tmp_path, old, new, message):
     path = tmp_path / "tle.txt"
-    path.write_text(TLE.replace("97.3601", "97.3602"))
-    with pytest.raises(InputError, match=r"tle.txt:2: expected a line of 69 characters with its check sum"):
+    path.write_text(TLE.replace(old, new))
+    with pytest.raises(InputError, match=message):
         read_elements(path)
 
 

@@ -62,6 +62,12 @@ def test_columns_are_listed_of_files_of_data_alone(tmp_path, name, shown):
     assert ("secret" in told) == shown
 
 
+@pytest.mark.parametrize(("text", "line"), [("t,x,y\n0,1,2\n1,\xb0,2\n", 3), ("t,x [\xb0/s],y\n0,1,2\n", 1)])
+def test_bytes_that_are_no_utf_8_are_refused_at_their_line(tmp_path, text, line):
+    (tmp_path / "log.csv").write_bytes(text.encode("latin-1"))
+    assert f"log.csv:{line}: expected text in UTF-8" in refused(tmp_path, None)
+
+
 def test_a_start_after_the_last_row_is_refused(tmp_path):
     rows = "t,x,y\n0,1,2\n1,3,4\n"
     assert "log.csv:1: start: expected at or before the last row, found 0.5 s after it" in refused(
@@ -89,6 +95,10 @@ def test_rows_of_one_instant_in_two_blocks_are_one_sample(tmp_path, monkeypatch)
     ("text", "more", "message"),
     [
         ("a,x,y\n0,1,2\n", {}, "log.csv:1: there is no column 't'"),
+        ("t|x|y\n0|1|2\n", {}, "there is only t|x|y; remedy: cells that commas, semicolons or tabs part"),
+        ("t;x;y\n0;1,5;2\n", {}, "log.csv:2: x: expected a number, found '1,5', whose comma has to be a point"),
+        ("t,x,y\n9,1,2\n0,1,2\n1,1,2\n", {}, "log.csv:3: 2 rows are older than one before them, more than the 1"),
+        ('t,x,y\n0,"1,2\n' + "1,1,2\n" * 50_000, {}, "this is no CSV file: field larger than field limit"),
         ("t,x,y\n,1,2\n", {}, "log.csv:2: t: expected a number, found ''"),
         ("t,x,y\n0,1,2\n1,one,2\n", {}, "log.csv:3: x: expected a number, found 'one'"),
         ("t,x [T],y\n0,1,2\n", {}, "log.csv:1: x: the unit 'T' of this column does not fit 'deg/s' of w"),
