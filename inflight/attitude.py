@@ -31,6 +31,26 @@ LIGHT = 0.99
 """Part of the Sun above which currents count."""
 
 
+STEADY = 15.0
+"""s before and after a row, within which the rate of a body that turns freely is a parabola of time."""
+
+
+def steadied(flight: Flight) -> Flight:
+    """The same with rates by parabolas through the rows within STEADY s of each, for a body that turns freely.
+
+    In its own axes such a rate changes slowly. The gyro's noise does not, and what of it has the frequency of the spin
+    turns the spin axis of a filter in space, which no torque does.
+    """
+    t, rates = flight.t, np.empty_like(flight.omega)
+    for i in range(len(t)):
+        rows = slice(*np.searchsorted(t, (t[i] - STEADY, t[i] + STEADY), side="left"))
+        off = (t[rows] - t[i]) / STEADY
+        weight = np.sqrt(1.0 - off**2)[:, None]
+        terms = np.vander(off, 3, increasing=True)
+        rates[i] = np.linalg.lstsq(weight * terms, weight * flight.omega[rows], rcond=None)[0][0]
+    return replace(flight, omega=rates)
+
+
 @dataclass(frozen=True)
 class Attitudes:
     """What the bank gave."""

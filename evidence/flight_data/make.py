@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from estimator.bank import UNIQUE, Noise
-from inflight.attitude import Attitudes
-from inflight.magnetometer import calibrate, symmetric
+from estimator.bank import UNIQUE
+from inflight.attitude import STEADY, Attitudes
+from inflight.magnetometer import Calibration, calibrate, symmetric
 from inflight.orbit import borders
 from inflight.records import Flight
 from orchestration import InputError
@@ -26,24 +26,28 @@ from ..paper import ROOT
 from ..plots import BLUE, GREEN, RED, name_axes, panels, save
 from . import spins
 from .flown import through_the_estimator
+from .parts import CUTS, TRIED, cut, known, likelihood
 from .records import records
 from .study import (
     FALSE,
     FIT,
     LONG,
-    WALKS,
+    NOISE,
     Free,
     Shown,
     Sky,
     air_and_rest,
     free_motion,
-    likelihoods,
     long_record,
     pair,
     sky,
 )
 
 FIGURE = "flight-data"
+KNOWN = 30
+"""Spins with known answers."""
+GOAL = 4.0
+"""deg rms on the sky."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +60,10 @@ class Study:
     free: Free | None
     cuts: list[Shown]
     """Parts of each record, calibrated by themselves"""
-    walks: list[list[float]]
-    """By record, the likelihood of its field with each walk of the gyro's bias"""
+    likelihoods: list[list[float]]
+    """By record, those of its field with each of TRIED"""
+    known: list[list[tuple[float, float]]]
+    """Spins with known answers, with rates as measured and by parabolas"""
     third: Free | None
     """By every third of the short records"""
     spins: dict[str, list[spins.Case]]
@@ -70,15 +76,24 @@ def study(folder: Path, cases: int, jobs: int, split: bool) -> Study:
     if not flown and not short:
         raise InputError(f"--data {folder}: expected records with rates and field, found none")
     own = [calibrate(f.t, f.m, np.linalg.norm(f.orbit.field_N(), axis=1), breaks=borders(f.orbit)) for f in flown]
-    shown = []
-    for i, flight in enumerate(flown):
-        others = [k for k in range(len(flown)) if k != i]
-        shown.append(long_record(flight, [own[k] for k in others], [flown[k].name for k in others], Noise()))
-    through = [through_the_estimator(s.flight, symmetric(s.calibration), Noise()) for s in shown]
-    parts = cuts(flown) if split else []
-    walks = [likelihoods(s) for s in shown] if split else []
+    with crew(jobs) as hands:
+        shown = hands.each("records", _long_record, [(flown, own, i) for i in range(len(flown))])
+        parts = hands.each("parts of them", cut, [(flight, name) for flight in flown for name in CUTS] if split else [])
+        tried = [(flight, s, name) for flight, s in zip(flown, shown, strict=True) for name in TRIED] if split else []
+        likely = hands.each("likelihoods", likelihood, tried)
+        answers = hands.each("known answers", known, range(KNOWN) if split else [])
+    through = [through_the_estimator(s.flight, symmetric(s.calibration), NOISE) for s in shown]
     third = free_motion(short[1::3]) if split else None
-    return Study(shown, through, free_motion(short), parts, walks, third, spun(cases, jobs) if cases else {})
+    likelihoods = [likely[i : i + len(TRIED)] for i in range(0, len(likely), len(TRIED))]
+    return Study(
+        shown, through, free_motion(short), parts, likelihoods, answers, third, spun(cases, jobs) if cases else {}
+    )
+
+
+def _long_record(item: tuple[list[Flight], list[Calibration], int]) -> Shown:
+    flown, own, i = item
+    others = [k for k in range(len(flown)) if k != i]
+    return long_record(flown[i], [own[k] for k in others], [flown[k].name for k in others])
 
 
 def spun(cases: int, jobs: int) -> dict[str, list[spins.Case]]:
@@ -104,30 +119,11 @@ def of_spins(done: dict[str, list[spins.Case]]) -> list[str]:
     return out
 
 
-CUTS = {
-    "first half": (0, 1 / 2),
-    "second half": (1 / 2, 1),
-    "first two thirds": (0, 2 / 3),
-    "last two thirds": (1 / 3, 1),
-}
-
-
-def cuts(flown: Sequence[Flight]) -> list[Shown]:
-    """What parts of each record show, as if they were all that there is."""
-    found = []
-    for flight in flown:
-        for name, (begin, end) in CUTS.items():
-            first, length = flight.t[0], float(np.ptp(flight.t))
-            chosen = (flight.t >= first + begin * length) & (flight.t <= first + end * length)
-            part = replace(flight.part(chosen), name=f"{flight.name}, {name}")
-            found.append(long_record(part, [], [], Noise()))
-    return found
-
-
 def lines(done: Study) -> list[str]:
     """The figures in text, a line each."""
     of_records = [line for shown in done.shown for line in _of_record(shown)]
-    return of_records + _of_flown(done) + _of_motion(done) + of_spins(done.spins)
+    known_ = _of_known(done.known) if done.known else []
+    return of_records + _of_flown(done) + _of_motion(done) + known_ + of_spins(done.spins)
 
 
 def _of_record(s: Shown) -> list[str]:
@@ -135,6 +131,9 @@ def _of_record(s: Shown) -> list[str]:
     gain = f"gain {s.calibration.gain.min():.3f} to {s.calibration.gain.max():.3f}"
     out = [f"{name}: |B| rms {1e6 * s.calibration.rms:.2f} uT ({1e6 * s.constant:.2f} with a constant gain; {gain})"]
     out += [f"{name}: |B| rms {1e6 * rms:.2f} uT with matrix and bias of {other}" for other, rms in s.crossed.items()]
+    turn = np.degrees(0.5 * s.calibration.sigma[[1, 2, 4]].max())
+    out.append(f"{name}: axes of the magnetometer turned by {turn:.1f} deg by one deviation of the shear")
+    out.append(f"{name}: rates by parabolas over {2 * STEADY:.0f} s leave {np.degrees(s.left):.3f} deg/s rms")
     out.append(
         f"{name}: attitude {s.attitude.verdict()}; gyro off by at most {s.attitude.strain:.1f} deviations of "
         f"what is known before"
@@ -164,6 +163,28 @@ def _of_record(s: Shown) -> list[str]:
         )
     if (parts := air_and_rest(s.edges)) is not None:
         out.append(f"{name}: eclipse, air's part {parts[0]:.1f} s, the rest {parts[1]:+.1f} s")
+    return out
+
+
+def _of_known(found: Sequence[list[tuple[float, float]]]) -> list[str]:
+    """What was trusted of the spins with known answers, and how far it was off."""
+    out = []
+    for what, each in zip(("rates as measured", "rates by parabolas"), np.array(found).transpose(1, 2, 0), strict=True):
+        trusted = np.isfinite(each[0])
+        rms, worst = np.sqrt(np.mean(each[0, trusted] ** 2)), each[1, trusted].max()
+        out.append(f"{what}: trusted in {trusted.sum()} of {len(trusted)}, {rms:.1f}° rms off, {worst:.1f}° at worst")
+    return out
+
+
+def _beyond(done: Study) -> list[str]:
+    """The parts of the records whose error on the sky is beyond the goal."""
+    out = []
+    for s in done.cuts:
+        sizes = {"three faces": s.sky, "two faces": s.pair}
+        beyond = [f"{what} {x.rms:.1f}° ({x.rows} rows)" for what, x in sizes.items() if x is not None and x.rms > GOAL]
+        turn = np.degrees(0.5 * s.calibration.sigma[[1, 2, 4]].max())
+        known_ = f"one deviation of the shear turns the magnetometer's axes by {turn:.1f}°"
+        out += [f"{s.flight.name}: {', '.join(beyond)}; {known_}"] if beyond else []
     return out
 
 
@@ -271,9 +292,17 @@ def fields(done: Study) -> dict[str, Any]:
         "records": records_,
         "crossed": crossed,
         "shadow": shadow,
-        "cuts": [_row(s) for s in done.cuts],
-        "walk_names": "|".join(("record", *map("{:.0e}".format, WALKS))),
-        "walks": [[s.flight.name, *(f"{x:.0f}" for x in row)] for s, row in zip(done.shown, done.walks, strict=False)],
+        "cuts": [_part(s) for s in done.cuts],
+        "apart": " and ".join(f"{np.degrees(s.apart):.1f}" for s in done.shown),
+        "tried": "|".join(("record", *TRIED)),
+        "likelihoods": [
+            [s.flight.name, *(f"{x:.0f}" for x in row)] for s, row in zip(done.shown, done.likelihoods, strict=False)
+        ],
+        "parts_count": str(len(done.cuts)),
+        "beyond": str(len(_beyond(done)) or "none"),
+        "beyond_lines": _beyond(done),
+        "known_lines": _of_known(done.known) if done.known else [],
+        "left": " and ".join(f"{np.degrees(s.left):.3f}" for s in done.shown),
         "third": "" if done.third is None else _of_motion(replace(done, free=done.third))[1],
         "motion_lines": _of_motion(done),
         "counts": counts,
@@ -283,8 +312,6 @@ def fields(done: Study) -> dict[str, Any]:
         "one_wrong": str(wrong[0]) if wrong else "-",
         "bank_wrong": "none" if not sum(wrong[1:]) else str(sum(wrong[1:])),
         "quiet": [line for line in told if "deg off" in line],
-        "parts": [f"{name}: air {air:.1f} s, the rest {rest:+.1f} s" for name, (air, rest) in parts],
-        "worst": f"{max((abs(edge.late_air) for s in done.shown for edge in s.edges), default=0.0):.1f}",
         "common": next((f"{s.sky.common:.1f}" for s in done.shown if s.sky is not None), "-"),
         "air": " and ".join(f"{air:.1f}" for _, (air, _) in parts) or "-",
         "rest": " and ".join(f"{rest:+.1f}" for _, (_, rest) in parts) or "-",
@@ -308,6 +335,11 @@ def _row(s: Shown) -> list[str]:
         said(s.sky),
         said(s.pair),
     ]
+
+
+def _part(s: Shown) -> list[str]:
+    name, rows, _, rms, verdict, three, two = _row(s)
+    return [name, rows, rms, verdict.removeprefix("unique from row ").removesuffix(f" of {rows}"), three, two]
 
 
 def _gyro(shown: Sequence[Shown]) -> list[list[str]]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from estimator.bank import Noise, earths_light, exp
-from inflight.attitude import LIGHT, Attitudes, attitudes, both_ways
+from inflight.attitude import LIGHT, Attitudes, attitudes, both_ways, steadied
 from inflight.magnetometer import Calibration, calibrate, symmetric
 from inflight.nutation import Inertia, Motion, forecast, identify, left_out, starting
 from inflight.orbit import borders
@@ -22,6 +22,8 @@ from .records import NORMALS
 
 Floats = NDArray[np.float64]
 
+NOISE = replace(Noise(), angle=5e-4)
+"""Of rates by parabolas; the likelihood of the field chose it (parts.py)."""
 LONG = 600.0
 """s; a record of at least this length is calibrated by itself."""
 LIT = 0.25
@@ -56,7 +58,7 @@ def by_sun(flight: Flight, found: Attitudes) -> tuple[Floats, Floats]:
     All faces have one gain, the median of currents over those of the model where it sees the Sun well.
     """
     orbit, currents = flight.orbit, np.full((len(flight.t), 3), np.nan)
-    day = found.unique & (orbit.sunlight() > LIGHT)
+    day = found.unique & (orbit.sunlight(AIR) > LIGHT)
     if flight.currents.size:
         currents[day] = flight.currents[day]
     sun_N, size = orbit.sun_N(), np.linalg.norm(orbit.r_N, axis=1)[:, None]
@@ -159,6 +161,9 @@ class Shown:
     """What a long record shows."""
 
     flight: Flight
+    """With its rates by parabolas"""
+    left: float
+    """rad/s rms, what they leave of the rates"""
     calibration: Calibration
     constant: float
     """|B| rms with a constant gain, T"""
@@ -172,8 +177,10 @@ class Shown:
     edges: list[Edge]
 
 
-def long_record(flight: Flight, others: list[Calibration], names: list[str], noise: Noise) -> Shown:
+def long_record(measured: Flight, others: Sequence[Calibration] = (), names: Sequence[str] = ()) -> Shown:
     """A record of its own calibration: field and gyro alone give the attitude, the Sun sensors are withheld."""
+    flight = steadied(measured)
+    left = float(np.sqrt(np.mean((flight.omega - measured.omega) ** 2)))
     field_N = flight.orbit.field_N()
     size = np.linalg.norm(field_N, axis=1)
     edge = borders(flight.orbit)
@@ -182,22 +189,11 @@ def long_record(flight: Flight, others: list[Calibration], names: list[str], noi
         n: calibrate(flight.t, flight.m, size, known=c, breaks=edge).rms for n, c in zip(names, others, strict=True)
     }
     field = symmetric(own).field(flight.t, flight.m)
-    found = attitudes(flight, field, field_N, noise)
-    merged, apart = both_ways(flight, field, field_N, noise, found)
+    found = attitudes(flight, field, field_N, NOISE)
+    merged, apart = both_ways(flight, field, field_N, NOISE, found)
     constant = calibrate(flight.t, flight.m, size, interval=1e9).rms
     three, two = sky(flight, found)[0], pair(flight, found)
-    return Shown(flight, own, constant, crossed, found, apart, three, two, edges(flight, merged))
-
-
-WALKS = (1e-6, 3e-6, 1e-5, 3e-5, 1e-4)
-"""rad/s in 1 s, of the gyro's bias, of which the likelihood of the field chose one."""
-
-
-def likelihoods(shown: Shown) -> list[float]:
-    """Logarithms of the likelihood of a record's field with each of the WALKS, by the best filter."""
-    flight = shown.flight
-    field, field_N = symmetric(shown.calibration).field(flight.t, flight.m), flight.orbit.field_N()
-    return [attitudes(flight, field, field_N, replace(Noise(), bias_walk=walk)).likelihood for walk in WALKS]
+    return Shown(flight, left, own, constant, crossed, found, apart, three, two, edges(flight, merged))
 
 
 @dataclass(frozen=True)

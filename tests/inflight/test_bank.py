@@ -7,7 +7,7 @@ import pytest
 
 from estimator.bank import Noise, exp, right_jacobian
 from evidence.flight_data.synthetic import FACES, angle, spinning
-from inflight.attitude import attitudes, both_ways
+from inflight.attitude import attitudes, both_ways, steadied
 from inflight.gyro import spin
 
 NOISE = Noise(field=5e-7)
@@ -29,6 +29,23 @@ def test_field_and_gyro_find_the_attitude_through_a_wrong_scale_and_bias(flown):
     true = (flight.omega.mean(axis=0) - omega) @ axis
     assert abs(seen.along - true) < 1e-3  # rad/s, of 0.013
     assert seen.along_sigma < 5e-4
+
+
+def test_rates_by_parabolas_bring_the_attitude_of_a_free_spin_nearer_to_the_truth(flown):
+    flight, R, B, omega, found = flown
+    steady = steadied(flight)
+    true = omega * (1.0 + 0.012) + np.array((0.02, 0.0, -0.01))
+    assert (steady.omega - true)[20:-20].std() < 0.35 * (flight.omega - true).std()
+    seen = attitudes(steady, flight.m, B, replace(NOISE, angle=5e-4))
+    off, raw = (np.sqrt(np.mean(angle(R, each.R)[-300:] ** 2)) for each in (seen, found))
+    assert seen.unique[-1]
+    assert off < 0.7 * raw
+
+
+def test_a_rate_that_is_a_parabola_stays_as_it_is_also_beside_a_gap(flown):
+    flight = flown[0].part(np.abs(flown[0].t - 500.0) > 20.0)
+    rate = np.vander(flight.t / 1000.0, 3) @ np.array([[0.1, -0.2, 0.3], [0.0, 0.5, 0.1], [0.2, -0.9, 0.1]])
+    np.testing.assert_allclose(steadied(replace(flight, omega=rate)).omega, rate, atol=1e-10)
 
 
 def test_filters_back_from_the_last_row_tell_the_first_attitudes_and_one_that_they_do_not_agree_with(flown):
