@@ -357,6 +357,14 @@ def wheel_failed(dt: float, T: float, torque: Array, h_w: Array, h_w_next: Array
     return failed(), stuck()
 
 
+def coulomb_friction(dt: float, T: float, torque: Array, h_w: Array, h_w_next: Array) -> Array:
+    """N m, as the default wheel's is known after each of n samples (n,)."""
+    n, p, found = len(torque), filled(_BLOCK, "parameter"), (c_double * len(torque))()
+    given = doubles(torque), doubles(h_w), doubles(h_w_next)
+    library().probe_friction(byref(p), c_double(dt), c_double(T), n, *given, found)
+    return np.array(found)
+
+
 def sizes() -> tuple[int, int]:
     """Bytes of the state and of the law with its workspace."""
     found = (c_size_t * 2)()

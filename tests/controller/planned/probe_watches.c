@@ -76,6 +76,18 @@ PROBE void probe_watch_wheel(const ControllerPlannedParameters *p, double dt, do
     }
 }
 
+/* The same torques and momenta: what is known of the wheel's Coulomb friction. */
+PROBE void probe_friction(const ControllerPlannedParameters *p, double dt, double T, int n, const double *torque,
+                          const double *l, const double *l_next, double *coulomb)
+{
+    Friction friction;
+    controller_planned_friction_start(p, T, &friction);
+    for (int i = 0; i < n; ++i) {
+        controller_planned_friction_learn(dt, torque[i], l[i], l_next[i], &friction);
+        coulomb[i] = friction.p[0];
+    }
+}
+
 /* Commands, dipole_ff, wheel_torque_ff and tau_cmd_B, through the guard: `refused` is 0, or the first letter of the
  * output that is. */
 PROBE void probe_guard(const double rods[3], double torque_max, double commands[7], unsigned char *refused)

@@ -148,3 +148,18 @@ def test_a_wheel_that_gives_nothing_is_stuck_and_one_that_gives_again_is_not_eac
         assert flags[870:1200].all()
         assert not flags[1550:].any()
     assert not core.wheel_failed(1.0, T, 0.1 * torque, np.zeros(1600), np.zeros(1600))[0].any(), "too little is asked"
+
+
+def test_friction_that_holds_a_wheel_is_learned_through_noise_each_time_and_none_of_one_that_moves():
+    """It stands under 1e-4 N m for 200 s, is moved away and comes back, and stands again; its momentum has noise."""
+    rng, n = np.random.default_rng(2), 1600
+    held = np.isin(np.arange(n) // 400, (0, 2))
+    torque = np.where(held, 1e-4, np.where(np.arange(n) % 400 < 200, 1e-4, -1e-4))
+    moved = np.cumsum(np.where(held, 0.0, 0.5 * torque))
+    l = np.append(0.0, moved) + 2e-6 * rng.normal(size=n + 1)  # noqa: E741
+    known = core.coulomb_friction(0.5, T, torque, l[:-1], l[1:])
+    assert known[[300, 1100]] == pytest.approx(1e-4, rel=0.05)
+    assert known[[790, 1590]] == pytest.approx(0.0, abs=1e-5)
+    slow = 4e-6 * np.sin(0.05 * np.arange(n))
+    l = np.append(0.0, np.cumsum(0.5 * slow)) - 4e-5 + 2e-6 * rng.normal(size=n + 1)  # noqa: E741
+    assert core.coulomb_friction(0.5, T, slow, l[:-1], l[1:]).max() < 2e-6

@@ -28,6 +28,7 @@ static const double FOLLOWS_NOT = 0.1; /* share of its torque that a stuck wheel
 static const double MOVED = 6.0;       /* deviations of the momentum's noise, by which the wheel has moved */
 static const double MOVED_MIN = 5e-4;  /* the same, at least, of the momentum's limit */
 static const double CERTAIN = 5.0;     /* deviations by which a share is told from half */
+static const double HELD = 4.0;        /* times that band, by which a wheel that friction does not hold has left it */
 static const double STANDING = 2e-3;   /* of the momentum's limit, below which friction may hold a sound wheel */
 static const double FLOOR = 1e-3;      /* of the torque's limit: noise of a sample at least */
 static const double MOSTLY = 0.5;      /* share of the slip's square that is noise where the momentum has noise (F3) */
@@ -91,6 +92,24 @@ static void follow(double dt, double applied, double rate, Friction *friction)
     f->seen += dt;
 }
 
+/* N m s, within which noise alone moves the measured momentum. */
+static double band_of_noise(double dt, const Friction *friction)
+{
+    return larger(MOVED * dt * sqrt(0.5 * variance_of_noise(friction)), MOVED_MIN * friction->momentum_max);
+}
+
+/* Whether friction holds the wheel: it stays about standstill, where the torque beyond the known friction should have
+ * moved it away. */
+static bool is_held(double dt, double torque, double l, double l_next, Friction *friction)
+{
+    const double band = band_of_noise(dt, friction), known = friction->p[0];
+    const double beyond = torque - clip(torque, -known, known);
+    const bool stays = larger(fabs(l), fabs(l_next)) < band;
+    friction->pushed = stays ? friction->pushed + dt * beyond : 0.0;
+    return (l == 0.0 && l_next == 0.0 && beyond != 0.0) ||
+           (beyond * friction->pushed > 0.0 && fabs(friction->pushed) > HELD * band);
+}
+
 /* Whether the wheel fails. */
 static void watch(double dt, double torque, double l, double l_next, Friction *friction)
 {
@@ -107,8 +126,7 @@ static void watch(double dt, double torque, double l, double l_next, Friction *f
     const double bend = rate - friction->rate;
     friction->bends += smaller(dt / friction->followed, 1.0) * (bend * bend - friction->bends);
     friction->rate = rate;
-    const double band =
-        larger(MOVED * dt * sqrt(0.5 * variance_of_noise(friction)), MOVED_MIN * friction->momentum_max);
+    const double band = band_of_noise(dt, friction);
     const bool turns = smaller(fabs(l), fabs(l_next)) > STANDING * friction->momentum_max;
     if (!friction->stuck && fabs(l_next - friction->following.momentum) > band) { /* it is not stuck */
         friction->following = (Following){.momentum = l_next};
@@ -122,8 +140,8 @@ void controller_planned_friction_learn(double dt, double torque, double l, doubl
 {
     watch(dt, torque, l, l_next, friction);
     double side = l > 0.0 ? 1.0 : -1.0;
-    if (l == 0.0 && l_next == 0.0 && fabs(torque) > friction->p[0]) {
-        side = torque > 0.0 ? 1.0 : -1.0; /* it stands: friction is no less than the torque */
+    if (is_held(dt, torque, l, l_next, friction)) {
+        side = torque > 0.0 ? 1.0 : -1.0; /* friction is no less than the torque */
     } else if (!(l * l_next > 0.0 && larger(fabs(l), fabs(l_next)) < NEAR_LIMIT * friction->momentum_max)) {
         return; /* it is not known how long friction acted to either side, or the wheel was at its limit */
     }

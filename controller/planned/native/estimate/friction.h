@@ -34,6 +34,7 @@ typedef struct {
     Response drag, stall;             /* to torques above a small and a large share of the limit */
     Following following;              /* at torques of any size */
     double rate, bends; /* N m, change of the momentum in the last sample; (N m)2, mean square of that one's change */
+    double pushed;      /* N m s, what torques beyond friction should have given a wheel that stays about standstill */
     bool stuck;         /* it was seen not to follow its torque */
 } Friction;
 
