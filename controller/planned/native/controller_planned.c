@@ -63,13 +63,24 @@ static void initialise(const ControllerPlannedLaw *law, const ControllerPlannedI
     x->rods_alone = controller_planned_is_no_wheel(law->p.wheel_torque_max, law->p.wheel_momentum_max, &x->scales);
 }
 
+/* The same, but for what is known of the wheel's telemetry. */
+static void initialise_again(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u,
+                             ControllerPlannedState *x)
+{
+    const MomentumWatch momentum = x->momentum;
+    const double l = x->l_own;
+    initialise(law, u, x->t, x);
+    x->momentum = momentum;
+    x->l_own = momentum.frozen ? l : 0.0;
+}
+
 /* The first sample with an attitude, or the first after one that was lost: what is known of the satellite stays. */
 static bool begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, ControllerPlannedState *x, Fault *f)
 {
     if (x->flown) {
         controller_planned_take_measured(&x->identification);
     } else {
-        initialise(law, u, x->t, x);
+        initialise_again(law, u, x);
     }
     if (!controller_planned_gains_fit(law, &x->scales, f)) {
         return false;
@@ -81,18 +92,34 @@ static bool begin(ControllerPlannedLaw *law, const ControllerPlannedInputs *u, C
     return true;
 }
 
+/* A step without a sample: whether h_w is frozen, and the wheel's momentum where it is. */
+static void watch_telemetry(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, double h,
+                            ControllerPlannedState *x)
+{
+    const double limit = law->p.wheel_momentum_max;
+    if (h > 0.0) {
+        controller_planned_watch_h_w(law, x, u, h);
+    }
+    if (x->momentum.frozen) {
+        x->l_own = clip(x->l_own + h * u->u_applied[3], -limit, limit);
+    }
+}
+
 /* A step without attitude ends at x->t. The motor's torque is all that changes the wheel's momentum where it is not
  * measured. */
 static void step_without_attitude(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, double h,
                                   ControllerPlannedState *x)
 {
     if (!x->flown) {
-        initialise(law, u, x->t, x);
+        initialise_again(law, u, x);
     } else {
         controller_planned_change_phase(x, EVENT_NO_ATTITUDE, &NO_REFERENCE);
     }
     const double limit = law->p.wheel_momentum_max;
-    x->l_own = clip(x->l_own + h * x->held.wheel_torque_ff, -limit, limit);
+    watch_telemetry(law, u, h, x);
+    if (!x->momentum.frozen) {
+        x->l_own = clip(x->l_own + h * x->held.wheel_torque_ff, -limit, limit);
+    }
     x->waiting = true;
     x->sampled = false;
     x->held = controller_planned_without_attitude(law, x, u);
@@ -146,6 +173,7 @@ bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *
     }
     x->t += h;
     if (x->waiting) {
+        watch_telemetry(law, u, h, x);
         const bool begun = begin(law, u, x, f);
         x->flown = true;
         *y = x->held;

@@ -122,6 +122,11 @@ Ahead controller_planned_ahead_of(const ControllerPlannedLaw *law, const Control
 /* The estimate after the measurement. */
 Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, Vector Omega, double l);
 
+/* Whether h_w is frozen: while a wheel is commanded, it repeats to the bit. From then on the momentum l_own is the last
+ * one that changed, and what the wheel gave since; at the sample at which it is found, until the one before. */
+void controller_planned_watch_h_w(const ControllerPlannedLaw *law, ControllerPlannedState *x,
+                                  const ControllerPlannedInputs *u, double dt);
+
 /* What rods and wheel gave over the last sample, of their limits: u_applied, or else what was asked for; the wheel by
  * h_w where connected, unless it is frozen, which is looked for here. */
 void controller_planned_given(const ControllerPlannedLaw *law, ControllerPlannedState *x,

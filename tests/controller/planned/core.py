@@ -339,12 +339,12 @@ def fields_failed(dt: float, T: float, tolerance: float, b_B: Array, model_B: Ar
     return values()
 
 
-def momenta_frozen(dt: float, h_w: Array, given: Array, noisy: Array) -> tuple[Array, Array, Array]:
-    """Whether the measured momentum is frozen, and blind, at each of n samples (n,), and what stands in for it."""
+def momenta_frozen(dt: float, h_w: Array, given: Array) -> tuple[Array, Array, Array]:
+    """Whether the measured momentum, at most 0.03 N m s, is frozen, and blind, at each of n samples (n,), and what
+    stands in for it."""
     n, l = len(h_w), (c_double * len(h_w))()  # noqa: E741
     (a, frozen), (b, blind) = _flags(n), _flags(n)
-    says = (c_ubyte * n)(*(int(flag) for flag in noisy))
-    library().probe_watch_momentum(c_double(dt), n, doubles(h_w), doubles(given), says, a, b, l)
+    library().probe_watch_momentum(c_double(dt), c_double(0.03), n, doubles(h_w), doubles(given), a, b, l)
     return frozen(), blind(), np.array(l)
 
 

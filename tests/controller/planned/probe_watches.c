@@ -48,13 +48,13 @@ PROBE void probe_watch_field(double dt, double T, double tolerance, int n, const
 
 /* Measured momenta while the wheel gives given[i]: whether each is frozen, what stands in for it, and whether it shows
  * nothing of its change. */
-PROBE void probe_watch_momentum(double dt, int n, const double *h_w, const double *given, const unsigned char *noisy,
+PROBE void probe_watch_momentum(double dt, double limit, int n, const double *h_w, const double *given,
                                 unsigned char *is_frozen, unsigned char *blind, double *l)
 {
     MomentumWatch watch;
     memset(&watch, 0, sizeof watch);
     for (int i = 0; i < n; ++i) {
-        controller_planned_watch_momentum(dt, h_w[i], given[i], noisy[i], &watch);
+        controller_planned_watch_momentum(dt, h_w[i], given[i], limit, &watch);
         is_frozen[i] = watch.frozen;
         blind[i] = watch.blind;
         l[i] = watch.l;

@@ -103,6 +103,21 @@ def test_a_momentum_that_is_frozen_is_counted_on_by_the_commands_and_used_again(
     assert not after["h_w_frozen"]
 
 
+def test_a_momentum_that_freezes_before_the_first_attitude_is_counted_on():
+    rng, held = np.random.default_rng(6), {}
+
+    def spoil(i, sample):
+        noisy = noise_of(sample["h_w"], rng)
+        known = np.array([i >= 90] * len(noisy))[:, None, None]
+        return sample | {"R_NB": known * sample["R_NB"], "h_w": held.setdefault(1, noisy) if i >= 50 else noisy}
+
+    truth = without_bias(Tumbles(4, 1))
+    y = flown(truth, spoil, samples=110, **NO_TARGET)[1][0]
+    assert y["h_w_frozen"]
+    assert y["h_w_estimate"] == pytest.approx(truth.h_w[0], abs=1e-4)
+    assert abs(held[1][0] - truth.h_w[0]) > 2e-4, "what is measured would not do"
+
+
 class StuckOn(Tumbles):
     """Rod 1 gives a fifth of its dipole whatever is commanded."""
 

@@ -107,30 +107,32 @@ def test_a_wrong_field_fails_and_is_used_again_as_often_as_it_comes_and_goes():
     assert seen[0] + seen[1] + seen[2] == pytest.approx(599 + until_failed, abs=12)
 
 
-def momenta(still):
-    """A momentum that each sample changes, and where it stays as it was."""
-    changes = np.cumsum(~np.asarray(still))
-    return 6e-3 + 1e-6 * changes * np.where(changes % 2, 1.0, -1.0)
+GIVEN = np.full(300, 1e-6)
+
+
+def momenta(still, noise=1e-6):
+    """A momentum that grows by GIVEN, with noise, and where it stays as it was."""
+    exact = 6e-3 + 0.5 * np.cumsum(GIVEN) + noise * np.random.default_rng(0).normal(size=300)
+    return exact[np.maximum.accumulate(np.where(still, 0, np.arange(300)))]
 
 
 def test_a_momentum_that_repeats_is_frozen_after_as_many_samples_each_time_and_used_again():
     """After 20 that repeat; 20 that change end it. A shorter repetition shows nothing meanwhile."""
     i = np.arange(300)
     still = ((i >= 40) & (i < 45)) | ((i >= 100) & (i < 230))
-    given = np.full(300, 1e-3)
-    frozen, blind, l = core.momenta_frozen(0.5, momenta(still), given, np.ones(300, bool))  # noqa: E741
+    frozen, blind, l = core.momenta_frozen(0.5, momenta(still), GIVEN)  # noqa: E741
     assert counts(frozen) == (False, [100 + 119, 30, 51]), "20 for each of 5 that repeated before, and 20"
     assert counts(blind) == (False, [40, 6, 59, 145, 50]), "also as it changes again"
-    assert l[219] == pytest.approx(momenta(still)[99] + 120 * 0.5 * 1e-3)
-    twice = (i // 100 != 1) & (i % 100 >= 30)
-    frozen = core.momenta_frozen(0.5, momenta(twice), given, np.ones(300, bool))[0]
-    assert counts(frozen) == (False, [49, 70, 130, 51]), "the second time as the first: a freeze is no usual repetition"
+    assert l[219] == pytest.approx(momenta(still)[99] + 120 * 0.5 * 1e-6)
+    twice = (i // 100 != 1) & (i % 100 >= 40)
+    frozen = core.momenta_frozen(0.5, momenta(twice), GIVEN)[0]
+    assert counts(frozen) == (False, [59, 60, 140, 41]), "the second time as the first: a freeze is no usual repetition"
 
 
 def test_a_momentum_without_noise_or_of_zero_is_not_frozen():
-    still = np.arange(200) >= 60
-    for h_w, noisy in ((momenta(still), np.zeros(200, bool)), (momenta(still) * ~still, np.ones(200, bool))):
-        frozen, blind, _ = core.momenta_frozen(0.5, h_w, np.full(200, 1e-3), noisy)
+    still = np.arange(300) >= 60
+    for h_w in (momenta(still, 0.0), momenta(still) * ~still):
+        frozen, blind, _ = core.momenta_frozen(0.5, h_w, GIVEN)
         assert not frozen.any()
         assert not blind.any()
 

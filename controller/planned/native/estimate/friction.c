@@ -31,8 +31,6 @@ static const double CERTAIN = 5.0;     /* deviations by which a share is told fr
 static const double HELD = 4.0;        /* times that band, by which a wheel that friction does not hold has left it */
 static const double STANDING = 2e-3;   /* of the momentum's limit, below which friction may hold a sound wheel */
 static const double FLOOR = 1e-3;      /* of the torque's limit: noise of a sample at least */
-static const double MOSTLY = 0.5;      /* share of the slip's square that is noise where the momentum has noise (F3) */
-static const double ROUNDING = 1e-7;   /* of the momentum's limit: less is no noise */
 
 void controller_planned_friction_start(const ControllerPlannedParameters *p, double T, Friction *friction)
 {
@@ -201,12 +199,6 @@ bool controller_planned_wheel_changes(Friction *friction)
     friction->drag = friction->stall = (Response){0.0, 0.0, 0.0};
     memset(&friction->following, 0, sizeof friction->following);
     return true;
-}
-
-bool controller_planned_momentum_noisy(const Friction *friction, double dt)
-{
-    const double noise = -2.0 * friction->product; /* (F3) */
-    return noise > MOSTLY * friction->square && dt * sqrt(0.5 * noise) > ROUNDING * friction->momentum_max;
 }
 
 double controller_planned_friction_torque(const Friction *friction, double l, double rate, double dt)

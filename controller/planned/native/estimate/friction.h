@@ -49,9 +49,6 @@ bool controller_planned_wheel_failed(const Friction *friction);
 /* Whether the wheel has become stuck, or has been and follows its torque again; friction->stuck is then the other. */
 bool controller_planned_wheel_changes(Friction *friction);
 
-/* Whether the measured momentum has noise: samples of dt alternate about what command and friction give. */
-bool controller_planned_momentum_noisy(const Friction *friction, double dt);
-
 /* dl/dt over the sample, N m: the measured one, or where this is noise the one of command and friction. */
 double controller_planned_wheel_rate(double dt, double torque, double l, double l_next, Friction *friction);
 

@@ -9,15 +9,17 @@ static double by_command(const ControllerPlannedState *x, double told, double dt
     return told - controller_planned_friction_torque(&x->friction, x->l_own, told, dt);
 }
 
-/* Whether h_w is frozen: while a wheel is commanded, it repeats to the bit. One that is stuck does not where h_w has
- * noise. From then on the momentum is the last one that changed, and what the wheel gave since. */
-static void watch_momentum(ControllerPlannedState *x, const ControllerPlannedInputs *u, double dt)
+void controller_planned_watch_h_w(const ControllerPlannedLaw *law, ControllerPlannedState *x,
+                                  const ControllerPlannedInputs *u, double dt)
 {
-    const bool noisy = !x->friction.stuck && controller_planned_momentum_noisy(&x->friction, dt),
-               was = x->momentum.frozen;
-    controller_planned_watch_momentum(dt, u->h_w, by_command(x, u->u_applied[3], dt), noisy, &x->momentum);
+    if (!law->p.find_failures || !controller_planned_has_h_w(u) || !controller_planned_has_u_applied(u)) {
+        return;
+    }
+    const bool was = x->momentum.frozen;
+    const double given = by_command(x, u->u_applied[3], dt);
+    controller_planned_watch_momentum(dt, u->h_w, given, law->p.wheel_momentum_max, &x->momentum);
     if (x->momentum.frozen && !was) {
-        x->l_own = x->momentum.l - dt * by_command(x, u->u_applied[3], dt); /* of the last sample: this one follows */
+        x->l_own = x->momentum.l - dt * given; /* of the last sample: this one follows */
     }
 }
 
@@ -25,9 +27,7 @@ void controller_planned_given(const ControllerPlannedLaw *law, ControllerPlanned
                               const ControllerPlannedInputs *u, double dt, double given[CONTROLS])
 {
     const ControllerPlannedParameters *p = &law->p;
-    if (p->find_failures && controller_planned_has_h_w(u) && controller_planned_has_u_applied(u)) {
-        watch_momentum(x, u, dt);
-    }
+    controller_planned_watch_h_w(law, x, u, dt);
     memcpy(given, x->u, sizeof x->u);
     if (controller_planned_has_u_applied(u)) {
         double limits[3];

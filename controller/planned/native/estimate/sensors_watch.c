@@ -15,6 +15,9 @@ static const double RIGHT = 0.5;         /* of the tolerance, below which a fiel
 /* Samples of a momentum that repeat the last one, for each that did so before in turn; and that change, before it is
  * watched or used again. */
 enum { REPEATS = 20 };
+static const double AVERAGED = 40.0; /* samples, over which its noise is found */
+static const double MOSTLY = 0.5;    /* share of the slip's square that is noise where the momentum has noise */
+static const double ROUNDING = 1e-7; /* of the momentum's limit: less is no noise */
 
 void controller_planned_watch_attitude(double dt, double T, double noise, Matrix R, Vector Omega_before, Vector Omega,
                                        SensorsWatch *watch)
@@ -49,7 +52,30 @@ void controller_planned_watch_field(double dt, double T, double tolerance, Vecto
     watch->field_failed = wrong || watch->b_repeats > FIELD_FROZEN * T;
 }
 
-void controller_planned_watch_momentum(double dt, double h_w, double given, bool noisy, MomentumWatch *watch)
+/* Whether it has noise: its changes alternate about what the wheel gives, by more than rounding. A wheel that is stuck or
+ * stands does not repeat then. */
+static bool is_noisy(double dt, double limit, const MomentumWatch *watch)
+{
+    const double noise = -2.0 * watch->product; /* (F3) */
+    return noise > MOSTLY * watch->square && dt * sqrt(0.5 * noise) > ROUNDING * limit;
+}
+
+/* A new momentum. */
+static void take_momentum(double dt, double h_w, double given, MomentumWatch *watch)
+{
+    if (watch->run == 0 && watch->changes > 0) {
+        const double slip = (h_w - watch->h_w) / dt - given;
+        watch->square += (slip * slip - watch->square) / AVERAGED;
+        watch->product += (slip * watch->slip - watch->product) / AVERAGED;
+        watch->slip = slip;
+    }
+    watch->longest = !watch->frozen && watch->run > watch->longest ? watch->run : watch->longest;
+    watch->run = 0;
+    watch->changes += watch->changes < REPEATS ? 1 : 0;
+    watch->h_w = watch->l = h_w;
+}
+
+void controller_planned_watch_momentum(double dt, double h_w, double given, double limit, MomentumWatch *watch)
 {
     const bool repeats = h_w == watch->h_w, was_frozen = watch->frozen;
     const bool ends = !repeats && watch->run > watch->longest;
@@ -57,13 +83,9 @@ void controller_planned_watch_momentum(double dt, double h_w, double given, bool
         watch->run += watch->run < INT32_MAX ? 1 : 0;
         watch->l += dt * given;
     } else {
-        watch->longest = !watch->frozen && watch->run > watch->longest ? watch->run : watch->longest;
-        watch->run = 0;
-        watch->changes += watch->changes < REPEATS ? 1 : 0;
-        watch->noisy = watch->frozen ? watch->noisy : noisy;
-        watch->h_w = watch->l = h_w;
+        take_momentum(dt, h_w, given, watch);
     }
-    const bool watched = watch->changes == REPEATS && watch->noisy && h_w != 0.0;
+    const bool watched = watch->changes == REPEATS && h_w != 0.0 && is_noisy(dt, limit, watch);
     if (watch->frozen && watch->changes == REPEATS) {
         watch->frozen = false;
     } else if (watched && watch->run / REPEATS > watch->longest) {

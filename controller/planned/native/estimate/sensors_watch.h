@@ -24,7 +24,9 @@ typedef struct {
     double l;             /* N m s: that, and what the wheel gave since it changed */
     int32_t run, longest; /* samples for which it has been the same to the last bit; and the longest such time before */
     int32_t changes;      /* samples in which it changed, of those that are asked for */
-    bool noisy;           /* it had noise when it changed last: a wheel that stands then does not repeat */
+    double slip, square,
+        product; /* N m, its last change less what the wheel gave; means of that one's square, and of its
+                                   * product with the one before: (F3) */
     bool frozen;
     bool blind; /* it does not show how the momentum changed over the last sample */
 } MomentumWatch;
@@ -38,8 +40,8 @@ void controller_planned_watch_attitude(double dt, double T, double noise, Matrix
 void controller_planned_watch_field(double dt, double T, double tolerance, Vector b_B, Vector model_B,
                                     SensorsWatch *watch);
 
-/* Takes a measured momentum, N m s, that comes dt, s, after the last, while the wheel gave `given`, N m, by its commands;
- * `noisy`: its noise is larger than rounding. Zero may be what is counted of a wheel that stands. */
-void controller_planned_watch_momentum(double dt, double h_w, double given, bool noisy, MomentumWatch *watch);
+/* Takes a measured momentum, N m s, of at most `limit`, that comes dt, s, after the last, while the wheel gave `given`,
+ * N m, by its commands. Zero may be what is counted of a wheel that stands. */
+void controller_planned_watch_momentum(double dt, double h_w, double given, double limit, MomentumWatch *watch);
 
 #endif
