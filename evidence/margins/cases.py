@@ -46,6 +46,7 @@ STATE = ("plant.R_NB", "plant.omega_B", "plant.h_w")
 GAINS = ("plant.J_B", "controller.K0", "controller.L0", "plant.rod_gain")
 """Parameters on which the multipliers of the equilibria depend."""
 VB, USUAL, PLANNED = "V.B, paper's law", "usual law, four wheels", "planned, one wheel"
+FOUR, THREE = "planned, four wheels", "planned, three wheels"
 AT_FIRST = "pointing below 1.5 deg from the start"
 """The expectation of the planned hold that the first minutes may fail, in which a hold is not lost."""
 PLACES = tuple(range(0, 360, 45))
@@ -74,6 +75,14 @@ class Case:
 CASES = {
     VB: Case("paper_no_singularity", ("allocator.tau_cmd_B",), 100.0, 410.0, ALIGNED),
     USUAL: Case("flight_pyramid", ("plant.wheel_torque_cmd",), 300.0, 600.0, {"plant.Q0": ALIGNED["plant.Q0"]}),
+    FOUR: Case("flight_pyramid_planned", ("plant.wheel_torque_cmd",), 1000.0, 600.0),
+    THREE: Case(
+        "flight_pyramid_planned",
+        tuple(f"plant.wheel_torque_cmd[{i}]" for i in (1, 2, 3)),
+        1000.0,
+        600.0,
+        {"wheels": 3, "wheel_axis": [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 0]]},
+    ),
     "usual law, three wheels, noise": Case(
         "flight_three_wheels",
         tuple(f"plant.wheel_torque_cmd[{i}]" for i in (1, 2, 3)),

@@ -13,7 +13,7 @@ from typing import Any
 from .. import plots
 from ..markdown import render
 from ..paper import ORBIT, ROOT
-from .cases import CASES, GAINS, PLACES, PLANNED, USUAL, VB, largest
+from .cases import CASES, FOUR, GAINS, PLACES, PLANNED, THREE, USUAL, VB, largest
 from .make import KEPT
 
 PAGE = ROOT / "docs" / "evidence" / "margins.md"
@@ -22,6 +22,8 @@ LOST = 0.5
 """Attitude error, deg, with which the scenario of the planned hold calls it lost."""
 NOISY = 0.05
 """Error above which answers have decayed to rounding."""
+MARGINS = tuple(name for name, case in CASES.items() if not case.followed)
+"""The holds that have margins of a moment."""
 BENEATH = 1e-4
 """What is left after 200 s with which nothing is left to see after an orbit."""
 
@@ -40,7 +42,7 @@ def fields(kept: dict[str, Any]) -> dict[str, Any]:
     of = {name: [row for row in rows if row["case"] == name] for name in CASES}
     followed = {name: found for name, found in of.items() if CASES[name].followed and found}
     return {
-        "places": [_range(name, [row for row in of[name] if "disk" in row]) for name in (VB, USUAL)],
+        "places": [_range(name, [row for row in of[name] if "disk" in row]) for name in MARGINS],
         "reasons": [_reason(row) for row in rows if row["refused"]],
         "decays": [_decay(name, found) for name, found in followed.items()],
         "errors": max(row["error"] for row in rows if "left" in row and not row["refused"]),
@@ -52,6 +54,7 @@ def fields(kept: dict[str, Any]) -> dict[str, Any]:
         "all": len(PLACES),
         "vb": [row for row in of[VB] if "disk" in row],
         "usual": [row for row in of[USUAL] if "disk" in row],
+        "sets": [row for name in (THREE, FOUR) for row in of[name] if "disk" in row],
         "loss": next(one for one in kept["changes"] if (one["case"], one["name"]) == (VB, "delay")),
         "changes": [_change(one, of[VB]) for one in kept["changes"]],
         "sensitivity": [
@@ -165,7 +168,7 @@ def _figure(kept: dict[str, Any]) -> Any:
     rows = kept["places"]
     figure, (axes,) = plots.panels(1, 3)
     colours = plots.BLUE, plots.RED, plots.GREEN, plots.PINK, plots.AMBER
-    for name, colour in zip((VB, USUAL), colours, strict=False):
+    for name, colour in zip(MARGINS, colours, strict=False):
         good = sorted((row["place"], row["delay"]) for row in rows if row["case"] == name and "disk" in row)
         axes[0].plot(*zip(*good, strict=True), "o", color=colour, label=name)
     for name, colour in zip((name for name in CASES if CASES[name].followed), colours, strict=False):
