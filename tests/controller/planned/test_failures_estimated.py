@@ -67,7 +67,7 @@ def spoilt_without_gyro(i, sample):
 
 
 @pytest.mark.parametrize(("sigma", "named"), [(0.05, [0] * 4), (0.01, FAILED)])
-def test_nothing_is_learned_by_a_field_that_an_uncertain_attitude_turns(sigma, named):
+def test_no_rod_is_named_by_a_field_that_an_uncertain_attitude_turns(sigma, named):
     """Without its magnetometer an estimator gives the field of its model: good where its attitude is."""
 
     def spoil(i, sample):

@@ -125,11 +125,10 @@ Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, V
                     add(was->Omega, vector(correction + RATE_STATE)), l};
 }
 
-/* Whether the satellite can be learned: the rate is a gyro's, and the field a magnetometer's or turned by an attitude
- * that is known well. */
-static bool teaches(const ControllerPlannedInputs *u)
+/* Whether the rods can be watched: the field is a magnetometer's, or turned by an attitude that is known well. */
+static bool shows_rods(const ControllerPlannedInputs *u)
 {
-    return u->rate_health < LOST && (u->field_health < LOST || norm(vector(u->attitude_sigma_B)) < TURNED);
+    return u->field_health < LOST || norm(vector(u->attitude_sigma_B)) < TURNED;
 }
 
 /* The motion before the measurement, its covariance, and what the measurement tells. */
@@ -174,7 +173,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
     controller_planned_set_noise(p, u, &x->identification);
-    controller_planned_set_taught(teaches(u), &x->identification);
+    controller_planned_set_taught(u->rate_health < LOST, &x->identification);
     controller_planned_set_disturbance(&x->scales, x->strained, &x->identification);
     const Vector bias = vector(x->identification.p + BIAS);
     if (p->find_failures) {
@@ -206,8 +205,8 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const Motion measured = {R, vector(u->omega_B), x->l_own};
     if (!first) {
         /* What rods give shows only where their commands and the field are known. */
-        const bool watched =
-            p->find_failures && x->identification.spread > 0.0 && controller_planned_has_u_applied(u) && has_field(u);
+        const bool watched = p->find_failures && x->identification.spread > 0.0 &&
+                             controller_planned_has_u_applied(u) && has_field(u) && shows_rods(u);
         filter(law, x, &measured, B_B, given, &around, dt, watched);
         if (controller_planned_has_h_w(u) && controller_planned_has_u_applied(u) && !x->momentum.blind) {
             controller_planned_friction_learn(dt, u->u_applied[3], x->measured.l, measured.l, &x->friction);
