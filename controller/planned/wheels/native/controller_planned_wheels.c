@@ -33,19 +33,19 @@ bool controller_planned_wheels_outputs(const ControllerPlannedWheelsLaw *law, co
     }
     const Vector Omega = vector(u->omega_B), b = vector(u->b_B), by_wheels = cross(Omega, s.h);
     const Vector by_body = cross(Omega, apply(law->J, Omega));
-    const bool sheds = x->phase == PHASE_SHEDDING;
+    const bool sheds = x->phase == WHEELS_SHEDDING;
     Vector unwanted = s.H;
     if (sheds && !is_zero_matrix(matrix(u->R_NB))) { /* all that the rods can give */
         unwanted = scale(BEYOND * norm(s.H), apply_transposed(matrix(u->R_NB), x->shedding));
     }
-    const double time = x->phase == PHASE_HOLD ? p->unloading_time : SOONER * p->unloading_time;
+    const double time = x->phase == WHEELS_HOLD ? p->unloading_time : SOONER * p->unloading_time;
     const Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, unwanted, b);
     const Vector by_rods = cross(apply_transposed(law->rods, dipole), b);
     const Target plan = controller_planned_wheels_plan_at(x, &s.target, p->command_period);
     Vector tau;
     if (sheds) {
         tau = subtract(by_rods, by_wheels);
-    } else if (x->phase == PHASE_DAMPING || !s.target.attitude) {
+    } else if (x->phase == WHEELS_DAMPING || !s.target.attitude) {
         tau = stopping(law, &s, by_body, by_wheels);
     } else { /* (9) */
         const Errors e = controller_planned_wheels_errors_of(&plan, matrix(u->R_NB), Omega);

@@ -11,7 +11,7 @@
 #include "turn.h"
 #include "wheel_set.h"
 
-typedef enum { PHASE_SHEDDING = 1, PHASE_TURN = 2, PHASE_HOLD = 3, PHASE_DAMPING = 4 } Phase;
+typedef enum { WHEELS_SHEDDING = 1, WHEELS_TURN = 2, WHEELS_HOLD = 3, WHEELS_DAMPING = 4 } WheelsPhase;
 
 typedef struct {
     double t; /* s */
@@ -19,7 +19,7 @@ typedef struct {
     bool failed[WHEELS_MAX]; /* of the last sample */
     double begun;            /* s, of the turn */
     Vector axis;             /* of the turn, unit, in the frame of the desired body */
-    Turn turn;
+    SlewTurn turn;
     Vector shedding;      /* unit, in N: direction of the momentum that is shed */
     Vector disturbance_B; /* N m, what the hold has to counter */
 } ControllerPlannedWheelsState;

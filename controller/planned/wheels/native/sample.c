@@ -97,7 +97,7 @@ bool controller_planned_wheels_take_sample(const ControllerPlannedWheelsLaw *law
 Target controller_planned_wheels_plan_at(const ControllerPlannedWheelsState *x, const Target *target, double mean)
 {
     Target plan = *target;
-    if ((x->phase == PHASE_TURN || x->phase == PHASE_HOLD) && target->attitude) {
+    if ((x->phase == WHEELS_TURN || x->phase == WHEELS_HOLD) && target->attitude) {
         const double time = x->t - x->begun;
         const TurnPoint now = turn_at(&x->turn, time), then = turn_at(&x->turn, time + mean);
         const Matrix left = rotation_exp(scale(now.left, x->axis));

@@ -7,7 +7,7 @@
 typedef struct {
     double angle;              /* rad */
     double acceleration, rate; /* limits, rad/s2, rad/s */
-} Turn;
+} SlewTurn;
 
 /* Angle that is left and rate, `time` s after the begin: (4). */
 typedef struct {
@@ -15,18 +15,18 @@ typedef struct {
 } TurnPoint;
 
 /* Time of the acceleration, and of the whole turn, s: (4). */
-static inline double turn_rise(const Turn *turn)
+static inline double turn_rise(const SlewTurn *turn)
 {
     return smaller(turn->rate / turn->acceleration, sqrt(turn->angle / turn->acceleration));
 }
 
-static inline double turn_time(const Turn *turn)
+static inline double turn_time(const SlewTurn *turn)
 {
     const double rise = turn_rise(turn);
     return rise > 0.0 ? turn->angle / (turn->acceleration * rise) + rise : 0.0;
 }
 
-static inline TurnPoint turn_at(const Turn *turn, double time)
+static inline TurnPoint turn_at(const SlewTurn *turn, double time)
 {
     const double a = turn->acceleration, rise = turn_rise(turn), whole = turn_time(turn), to_end = whole - time;
     if (time <= 0.0) {
