@@ -184,9 +184,7 @@
     });
     at("undo").disabled = !past.length;
     clearTimeout(later); // browsers refuse hundreds of addresses in some seconds
-    const was = location.hash; // an address that the reader gives meanwhile stays, and is taken
-    later = setTimeout(() => location.hash === was
-      && history.replaceState(null, "", [location.href.split("#")[0], address()].filter(Boolean).join("#")), 150);
+    later = setTimeout(() => history.replaceState(null, "", [location.href.split("#")[0], address()].filter(Boolean).join("#")), 150);
   }
   function take(to, keep = true) { // with `keep` the flight up to now stays as the one before
     if (keep) {
