@@ -171,7 +171,8 @@
   // ---------------------------------------------------------------- controls
 
   let later = 0;
-  function show() {
+  const write = () => history.replaceState(null, "", [location.href.split("#")[0], address()].filter(Boolean).join("#"));
+  function show(drag = false) {
     inputs.forEach((input, i) => {
       const value = now.moved[i] ?? input.defaultValue, { unit } = live.controls[i];
       input.value = value;
@@ -183,23 +184,24 @@
       if (document.activeElement !== times[i]) times[i].value = instant(begins(i));
     });
     at("undo").disabled = !past.length;
-    clearTimeout(later); // browsers refuse hundreds of addresses in some seconds
-    later = setTimeout(() => history.replaceState(null, "", [location.href.split("#")[0], address()].filter(Boolean).join("#")), 150);
+    clearTimeout(later);
+    if (drag) later = setTimeout(write, 150); // browsers refuse hundreds of addresses in some seconds
+    else write();
   }
-  function take(to, keep = true) { // with `keep` the flight up to now stays as the one before
+  function take(to, keep = true, drag = false) { // with `keep` the flight up to now stays as the one before
     if (keep) {
       before = whole || [];
       document.dispatchEvent(new CustomEvent("before"));
     }
     now = to;
-    show();
+    show(drag);
     fly();
   }
   function change(to, drag = false, said = "") {
     at("address").textContent = said;
     if (same(to, now)) return;
     if (!dragging) past.push(now);
-    take(to, !dragging);
+    take(to, !dragging, drag);
     dragging = drag;
   }
   const moved = (i, value) => ({ ...now, moved: { ...now.moved, [i]: bounded(value, Number(inputs[i].min), Number(inputs[i].max)) } });
