@@ -195,7 +195,7 @@ TOGETHER = "it changes where all elements go from zero to a rotation at once"
 BORDER = "it decides at the border of a field of view or of the threshold only whether there is a measurement"
 GATE = "it decides at the gate, or at a limit of the deviation only; health, over many measurements"
 BEGIN = "only in the step in which the filter starts"
-TURN = "where there is a plan, which drawn attitudes and rates do not reach: they are damped or shed first"
+LINE = "it follows a row or column alone; declared whole, as of a law that takes the nearest rotation"
 UNSEEN = {
     "estimator": {
         (output, element.name): GATE if output in ("rejected", "attitude_valid", "sunlight", "health") else BEGIN
@@ -220,23 +220,10 @@ UNSEEN = {
     "allocator": {("dipole_cmd", "tau_cmd_B[1]"): CAUTION, ("", "omega_B[1]"): CAUTION},
     "allocator_bounded": {("", "omega_B[1]"): CAUTION},
     "controller_planned_wheels": {
-        **{
-            (output, element_name(name, (i, j))): TURN
-            for output, name in (("R_d", "R_ref"), ("rate_error_B", "R_NB"))
-            for i in (1, 2, 3)
-            for j in (1, 2, 3)
-        },
-        **{
-            (output, f"{name}[{i}]"): TURN
-            for output, names in (
-                ("Omega_d", ("Omega_ref",)),
-                ("dOmega_d", ("Omega_ref", "dOmega_ref")),
-                ("tau_cmd_B", ("dOmega_ref",)),
-                ("wheel_torque_ff", ("dOmega_ref",)),
-            )
-            for name in names
-            for i in (1, 2, 3)
-        },
+        (output, element_name(name, (i, j))): LINE
+        for output, name in (("R_d", "R_ref"), ("rate_error_B", "R_NB"))
+        for i in (1, 2, 3)
+        for j in (1, 2, 3)
     },
     "supervisor": {("R_ref", f"v_N[{i}]"): "its Z axis follows the velocity in slews only" for i in (1, 2, 3)},
     "plant_sensors": {
