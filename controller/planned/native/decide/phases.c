@@ -8,8 +8,8 @@ static const double STEERING_AGAIN = 2.0; /* of steering_limit: back to steering
 static const double SETTLED_ANGLE = 0.0174532925, SETTLED_TIME = 1.2; /* rad (1 deg), T */
 static const double SETTLED_RATE_TIME = 20.0;                         /* T, in which the rate may turn by a radian */
 static const double LOST_ANGLE = 0.0872664626;                        /* rad (5 deg) */
-/* A hold is strained where it has been loaded, by an angle or a share of what the wheel is let hold, for so many orbits; with a
- * larger angle sooner: after so many T, in which an ordinary plan undoes what was sudden. */
+/* A hold is strained where it has been loaded, by an angle or a share of what the wheel is let hold, for so many orbits;
+ * with a larger angle sooner: after so many T, in which an ordinary plan undoes what was sudden. */
 static const double STRAINED_ANGLE = 0.0174532925, STRAINED_TIME = 2.0;                          /* rad (1 deg), T */
 static const double LASTING_ANGLE = 0.0087266463, LASTING_MOMENTUM = 0.6, LASTING_ORBITS = 0.05; /* rad (0.5 deg) */
 static const double STRAINED_ORBITS = 1.0; /* without a cause, until it is not */

@@ -52,8 +52,8 @@ void controller_planned_watch_field(double dt, double T, double tolerance, Vecto
     watch->field_failed = wrong || watch->b_repeats > FIELD_FROZEN * T;
 }
 
-/* Whether it has noise: its changes alternate about what the wheel gives, by more than rounding. A wheel that is stuck or
- * stands does not repeat then. */
+/* Whether it has noise: its changes alternate about what the wheel gives, by more than rounding. A wheel that is stuck
+ * or stands does not repeat then. */
 static bool is_noisy(double dt, double limit, const MomentumWatch *watch)
 {
     const double noise = -2.0 * watch->product; /* (F3) */

@@ -22,35 +22,31 @@ static Vector stopping(const ControllerPlannedWheelsLaw *law, const Sample *s, V
     return bears ? add(tau, gyroscopic) : subtract(tau, by_wheels);
 }
 
-bool controller_planned_wheels_outputs(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
-                                       const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
-                                       Fault *f)
+/* The outputs at a sample. */
+static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x, const Sample *s,
+                    const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y)
 {
     const ControllerPlannedWheelsParameters *p = &law->p;
-    Sample s;
-    if (!controller_planned_wheels_take_sample(law, x->failed, u, &s, f)) {
-        return false;
-    }
-    const Vector Omega = vector(u->omega_B), b = vector(u->b_B), by_wheels = cross(Omega, s.h);
+    const Vector Omega = vector(u->omega_B), b = vector(u->b_B), by_wheels = cross(Omega, s->h);
     const Vector by_body = cross(Omega, apply(law->J, Omega));
     const bool sheds = x->phase == WHEELS_SHEDDING;
-    Vector unwanted = s.H;
+    Vector unwanted = s->H;
     if (sheds && !is_zero_matrix(matrix(u->R_NB))) { /* all that the rods can give */
-        unwanted = scale(BEYOND * norm(s.H), apply_transposed(matrix(u->R_NB), x->shedding));
+        unwanted = scale(BEYOND * norm(s->H), apply_transposed(matrix(u->R_NB), x->shedding));
     }
     const double time = x->phase == WHEELS_HOLD ? p->unloading_time : SOONER * p->unloading_time;
     const Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, unwanted, b);
     const Vector by_rods = cross(apply_transposed(law->rods, dipole), b);
-    const Target plan = controller_planned_wheels_plan_at(x, &s.target, p->command_period);
+    const Target plan = controller_planned_wheels_plan_at(x, &s->target, p->command_period);
     Vector tau;
     if (sheds) {
         tau = subtract(by_rods, by_wheels);
-    } else if (x->phase == WHEELS_DAMPING || !s.target.attitude) {
-        tau = stopping(law, &s, by_body, by_wheels);
+    } else if (x->phase == WHEELS_DAMPING || !s->target.attitude) {
+        tau = stopping(law, s, by_body, by_wheels);
     } else { /* (9) */
         const Errors e = controller_planned_wheels_errors_of(&plan, matrix(u->R_NB), Omega);
-        const Vector spring = add(scale(s.k, e.zeta), e.omega);
-        tau = add(apply(law->J, subtract(e.dOmega_d_B, scale(4.0 * s.k, spring))), by_body);
+        const Vector spring = add(scale(s->k, e.zeta), e.omega);
+        tau = add(apply(law->J, subtract(e.dOmega_d_B, scale(4.0 * s->k, spring))), by_body);
         tau = subtract(tau, x->disturbance_B);
     }
     store(tau, y->tau_cmd_B);
@@ -60,16 +56,27 @@ bool controller_planned_wheels_outputs(const ControllerPlannedWheelsLaw *law, co
             y->wheel_torque_ff[i] = 0.0;
         }
     } else {
-        controller_planned_wheels_share(law, &s, u->h_w, subtract(add(tau, by_wheels), by_rods), y->wheel_torque_ff);
+        controller_planned_wheels_share(law, s, u->h_w, subtract(add(tau, by_wheels), by_rods), y->wheel_torque_ff);
     }
-    y->attitude_error = s.angle;
-    store(s.rate, y->rate_error_B);
+    y->attitude_error = s->angle;
+    store(s->rate, y->rate_error_B);
     store_matrix(plan.R, y->R_d);
     store(plan.Omega, y->Omega_d);
     store(plan.dOmega, y->dOmega_d);
     y->phase = x->phase;
-    y->reduced = s.reduced;
+    y->reduced = s->reduced;
     store(x->disturbance_B, y->disturbance_B);
+}
+
+bool controller_planned_wheels_outputs(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
+                                       const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
+                                       Fault *f)
+{
+    Sample s;
+    if (!controller_planned_wheels_take_sample(law, x->failed, u, &s, f)) {
+        return false;
+    }
+    command(law, x, &s, u, y);
     return true;
 }
 
@@ -85,7 +92,8 @@ static bool advance(const ControllerPlannedWheelsLaw *law, const ControllerPlann
         return false;
     }
     controller_planned_wheels_decide(law, &s, u, first, x);
-    return controller_planned_wheels_outputs(law, x, u, y, f);
+    command(law, x, &s, u, y);
+    return true;
 }
 
 bool controller_planned_wheels_start(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
