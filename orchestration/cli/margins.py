@@ -1,27 +1,21 @@
-"""`orchestrate margins`: measures the stability margins of a loop. Tests: tests/orchestration/cli/test_margins.py.
-
-Longer than 250 lines: one command with its options, and what it writes and prints of each measure.
-"""
+"""`orchestrate margins`: measures the stability margins of a loop. Tests: tests/orchestration/cli/test_margins.py."""
 
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import click
 
 from ..errors import InputError, Place, Problem, writing
-from ..margins.block import BlockModel, closed, linearized
-from ..margins.floquet import PULSE, SEGMENT, Coordinates, Repeated, coordinates
-from ..margins.inject import Altered, Rig
-from ..margins.linear import Linear, realized
+from ..margins.block import closed, linearized
+from ..margins.floquet import SEGMENT, coordinates
+from ..margins.inject import Rig
+from ..margins.linear import realized
 from ..margins.measure import LONGEST, measure
-from ..margins.periods import Followed, follow
 from ..margins.report import HEADER, Found
-from ..margins.search import Change, Slope, Starts, expectations_are_met, lost, pulse_dies_out, scaled
+from ..margins.search import Change, expectations_are_met, lost, pulse_dies_out, scaled
 from ..margins.site import site
 from ..quantities import SECOND, QuantityError, value_in
 from ..results.place import check_writable, refuse_links
@@ -30,9 +24,11 @@ from ..session.open import open_scenario
 from ..session.session import Session
 from .console import complain, notes, say, say_json, say_table
 from .help import examples
+from .linear import data_of, save, tell_model, told_of_loop
 from .options import changes, out_folder
 from .overrides import Changes
 from .paths import PATH
+from .repeated import followed, multipliers, samples_of
 from .status import EXPECTATION_FAILED
 
 LEAST = 16
@@ -143,7 +139,7 @@ def command(
         if model is not None:
             longest = None if window is None else seconds("--window", window, 0.0)
             found_ = linearized(session, model, round(begin / plan.clock.step), states, longest)
-            ctx.exit(_model(found_, begin, target, json_))
+            ctx.exit(tell_model(found_, begin, target, json_))
         rig = Rig(session, site(plan, ports), max(round(begin / plan.clock.step), 1))  # nothing is taken before a step
         changes_, seen = [Change.of(text) for text in changed], coordinates(plan, states)
         for option, names in (("--change", [one.name for one in changes_]), ("--sensitivity", sensitive)):
@@ -152,10 +148,10 @@ def command(
                     scaled(rig, name, 1.0, option)  # it is refused before anything is flown
         if orbit is not None:
             pieces = max(round(seconds("--piece", piece, SEGMENT * rig.period) / rig.period), 1)
-            period = _period(rig, seconds("--orbit", orbit, 0.0), states)
+            period = samples_of(rig, seconds("--orbit", orbit, 0.0), states)
             if periods is None:
-                ctx.exit(_multipliers(rig, period, pieces, seen, sensitive, changes_, json_))
-            ctx.exit(_followed(rig, period, periods, pieces, seen, sensitive, changes_, json_))
+                ctx.exit(multipliers(rig, period, pieces, seen, sensitive, changes_, json_))
+            ctx.exit(followed(rig, period, periods, pieces, seen, sensitive, changes_, json_))
         longest = seconds("--window", window, LONGEST * rig.period)
         if longest < LEAST * rig.period:
             expected = f"at least {LEAST} samples, {LEAST * rig.period:g} s"
@@ -171,15 +167,19 @@ def command(
     if not found.response.refused:
         _write(found, target)
         if looped is not None and not looped.refused:
-            _save(looped.model, target, "loop")
+            save(looped.model, target, "loop")
     if json_:
-        said = {} if looped is None else {"loop": _data(looped)}
+        said = {} if looped is None else {"loop": data_of(looped)}
         say_json({**found.data(), **said})
     else:
         _print(found, target)
         if looped is not None:
             notes(looped.notes)
-            say(f"Closed loop: no linear model: {looped.refused}" if looped.refused else _told(looped.model, "loop"))
+            say(
+                f"Closed loop: no linear model: {looped.refused}"
+                if looped.refused
+                else told_of_loop(looped.model, "loop")
+            )
     ctx.exit(EXPECTATION_FAILED if found.response.refused else 0)
 
 
@@ -197,49 +197,6 @@ def seconds(option: str, text: str | None, default: float) -> float:
     return value
 
 
-def _model(found: BlockModel, when: float, folder: Path, json_: bool) -> int:
-    """Writes and prints the linear model of a block; the status is 1 where it has none."""
-    model = found.model
-    if json_:
-        say_json(_data(found))
-    else:
-        notes(found.notes)
-    if found.refused:
-        complain(f"no linear model: {found.refused}")
-        return EXPECTATION_FAILED
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-    _save(model, folder)
-    if not json_:
-        sizes = f"{len(model.inputs)} inputs, {len(model.outputs)} outputs, {len(model.A)} states"
-        say(f"linear model at {when:g} s, each {model.step:g} s: {sizes}", bold=True)
-        if model.states:
-            say(f"states: {', '.join(model.states)}")
-            say("eigenvalues of A: " + ", ".join(f"{value:.6g}" for value in model.eigenvalues))
-        say(model.verdict)
-        say(f"written to {folder / 'model.npz'} and model.mat")
-    return 0
-
-
-def _data(found: BlockModel) -> dict[str, Any]:
-    model = found.model
-    matrices = {name: getattr(model, name).tolist() for name in "ABCD"}
-    names = {"inputs": model.inputs, "outputs": model.outputs, "states": model.states}
-    said = {"sample": model.step, "error": model.error, "verdict": model.verdict, "notes": found.notes}
-    return {**names, **matrices, **said, "refused": found.refused or None}
-
-
-def _told(model: Linear, name: str) -> str:
-    """Returns what is told of the closed loop."""
-    sizes = ", ".join(f"{abs(value):.6g}" for value in model.eigenvalues)
-    return f"Closed loop from sample to sample, |eigenvalues| {sizes}; {model.verdict}; written to {name}.npz and .mat"
-
-
-def _save(model: Linear, folder: Path, name: str = "model") -> None:
-    for suffix in ("npz", "mat"):
-        model.save(folder / f"{name}.{suffix}")
-
-
 def _refuse_idle(given: Sequence[str], model: bool, orbit: bool) -> None:
     """Raises InputError for an option that would have no effect beside the others."""
     for name in given:
@@ -251,103 +208,13 @@ def _refuse_idle(given: Sequence[str], model: bool, orbit: bool) -> None:
             raise InputError(Problem(f"{name} has no effect with --orbit; remedy: leave out one of them"))
 
 
-def _period(rig: Rig, period: float, states: Sequence[str]) -> int:
-    """Returns the samples of a period. Raises InputError."""
-    samples = round(period / rig.period)
-    if not states or samples < 2:
-        expected = "--state BLOCK.PORT with --orbit" if not states else "a period of some samples"
-        found = "none" if not states else f"{period:g} s"
-        raise InputError(Problem(expected=expected, found=found, place=Place("--orbit")))
-    return samples
-
-
-def _followed(
-    rig: Rig,
-    period: int,
-    periods: int,
-    piece: int,
-    seen: Coordinates,
-    names: Sequence[str],
-    changes_: Sequence[Change],
-    json_: bool,
-) -> int:
-    """Prints what is left of disturbances from period to period; the status is 1 where the loop is not linear."""
-
-    def flown(altered: Altered, starts: Starts) -> Followed:
-        return follow(rig, seen, period, periods, piece, altered, starts)
-
-    def holds(altered: Altered, starts: Starts) -> bool:
-        found = flown(altered, starts)
-        return not found.refused and found.left < 1.0
-
-    def log(starts: Starts) -> float:
-        changed = follow(rig, seen, period, periods, piece, starts=starts, sizes=(found.size,))
-        return math.log(changed.decay) if changed.repeats == found.repeats else math.nan
-
-    found = flown(Altered(), None)
-    slopes = {name: Slope.of(rig, name, math.log(found.decay), log) for name in names if not found.refused}
-    searched = [lost(rig, one, holds) for one in changes_ if not found.refused]
-    if json_:
-        windows = [
-            {"ratio": one.ratio, "most": one.most, "least": one.least, "error": one.error, "rest": one.rest}
-            for one in found.windows
-        ]
-        said = {"period": period * rig.period, "windows": windows, "refused": found.refused or None}
-        say_json({**said, **_slopes(slopes), "searched": [one.data() for one in searched]})
-        return EXPECTATION_FAILED if found.refused else 0
-    if found.refused:
-        complain(f"no number: {found.refused}")
-        return EXPECTATION_FAILED
-    say(f"Answers to pulses over periods of {period * rig.period:g} s, of {', '.join(found.labels)}:", bold=True)
-    what = "the largest multiplier" if found.repeats else "what is left after the last period"
-    for line in [*found.lines(), *(slope.line(name, what) for name, slope in slopes.items()), *map(str, searched)]:
-        say(line)
-    return 0
-
-
-def _slopes(slopes: Mapping[str, Slope]) -> dict[str, dict[str, float | None]]:
-    """Returns sensitivities for JSON, and by how much they differ upwards and downwards."""
-    parts = {"sensitivity": "value", "sensitivity_error": "apart"}
-    of = {key: {name: getattr(slope, part) for name, slope in slopes.items()} for key, part in parts.items()}
-    return {key: {name: None if math.isnan(v) else v for name, v in values.items()} for key, values in of.items()}
-
-
-def _multipliers(
-    rig: Rig,
-    samples: int,
-    piece: int,
-    seen: Coordinates,
-    names: Sequence[str],
-    changes_: Sequence[Change],
-    json_: bool,
-) -> int:
-    """Prints the Floquet multipliers; the status is 1 where the state is not seen."""
-    repeated = Repeated.of(rig, seen, samples, PULSE * rig.scales, piece)
-    found = repeated.nominal
-    slopes = {name: repeated.sensitivity(name) for name in names}
-    searched = [lost(rig, one, repeated.decays) for one in changes_ if found.known]
-    if json_:
-        logs = [[log.real, log.imag] for log in found.logs]
-        said = {"period": found.period, "logs": logs, "rest": found.rest, "spread": found.spread}
-        say_json({**said, **_slopes(slopes), "searched": [one.data() for one in searched]})
-    else:
-        say(f"Floquet multipliers over {found.period:g} s, of {', '.join(found.labels)}:", bold=True)
-        for line in found.lines():
-            say(line)
-        for name, slope in slopes.items():
-            say(slope.line(name, "the largest multiplier"))
-        for one in searched:
-            say(str(one))
-    return 0 if found.known else EXPECTATION_FAILED
-
-
 def _write(found: Found, folder: Path) -> None:
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "margins.json").write_text(json.dumps(found.data(), indent=2) + "\n", "utf-8")
         found.figure().savefig(folder / "margins.png", dpi=120)
     found.save_table(folder / "response.csv")
-    _save(realized(found.response), folder)
+    save(realized(found.response), folder)
 
 
 def _print(found: Found, folder: Path) -> None:
