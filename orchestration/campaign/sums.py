@@ -12,7 +12,9 @@ import json
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import BaseModel, Field, ValidationError
 
 from ..errors import InputError, ResultsError, reason
 from ..results.data import json_text
@@ -24,6 +26,34 @@ _UNKNOWN = "0" * 64
 _SEAL = re.compile(rb'"sha256": "([0-9a-f]{64})"(?=\s*\}\s*\Z)')
 """The last entry of the manifest, whose value is the SHA-256 of the file with zeros in its place."""
 _AWAY = "remedy: another folder (--out)"
+_Count = Annotated[int, Field(ge=0, le=10**12)]
+
+
+class _Announced(BaseModel, strict=True):
+    runs: _Count
+    early: bool
+
+
+class _Runs(BaseModel, strict=True):
+    wanted: _Count
+    flown: _Count
+    failed: _Count
+
+
+class _Form(BaseModel, strict=True):
+    """What a start reads in the manifest of an earlier one."""
+
+    campaign: str
+    sampling: str
+    fingerprint: str
+    parts: dict[str, str]
+    announced: _Announced
+    runs: _Runs
+    files: dict[str, str]
+    withdrawn: list[str]
+    fresh: bool = False
+    unchecked: list[list[_Count]] = []
+    wall_time: Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
 def digest(path: Path) -> str:
@@ -58,7 +88,15 @@ def read(folder: Path) -> dict[str, Any]:
     plain = content[: seal.start(1)] + _UNKNOWN.encode() + content[seal.end(1) :]
     if hashlib.sha256(plain).hexdigest() != seal[1].decode():
         raise InputError(f"{path} is damaged: it does not have the SHA-256 that it names; {_AWAY}")
-    record: dict[str, Any] = json.loads(content)
+    try:
+        record: dict[str, Any] = json.loads(content)
+        _Form.model_validate(record)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(map(str, first["loc"]))
+        raise InputError(f"{path} is no manifest of a campaign: {where}: {first['msg']}; {_AWAY}") from None
+    except (ValueError, RecursionError):
+        raise InputError(f"{path} is no manifest of a campaign: it is no JSON; {_AWAY}") from None
     return record
 
 

@@ -123,3 +123,26 @@ def test_a_manifest_that_is_no_file_is_refused_at_once(toy):
     os.mkfifo("out/campaign.json")
     result = command(toy, "--workers", 0, "--out", "out")
     assert (result.exit_code, "out/campaign.json is no file; expected the manifest" in result.stderr) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("entry", "value"),
+    [
+        ("announced", {"runs": None, "early": False}),
+        ("announced", {"runs": 10**30, "early": False}),
+        ("runs", {"wanted": "x", "flown": 5, "failed": 0}),
+        ("files", ["part-000000.parquet"]),
+        ("withdrawn", None),
+        ("unchecked", [["a"]]),
+        ("wall_time", float("nan")),
+    ],
+)
+def test_a_manifest_of_another_form_is_refused_though_its_hash_is_right(toy, entry, value):
+    fly(toy, runs=5)
+    record = sums.read(Path("out"))
+    record.pop("sha256")
+    sums.write(Path("out"), {**record, entry: value})
+    for more in ([], ["--replay", 1]):
+        result = command(toy, "--runs", 5, "--workers", 0, "--out", "out", *more)
+        told = f"out/campaign.json is no manifest of a campaign: {entry}"
+        assert (result.exit_code, told in result.stderr) == (2, True), result.stderr

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 import orchestration
 from orchestration.errors import InputError
-from orchestration.export.changes import _of_value
+from orchestration.export.changes import Values, _of_value, with_inputs
 from orchestration.export.system import Component, System, flat
+from orchestration.fmu.archive import open_fmu
+from orchestration.fmu.model import Element
 from orchestration.system.faults import Setting
+from orchestration.system.wiring import Node
 from tests.orchestration import fmus
 
 
@@ -83,3 +87,44 @@ def test_a_value_of_a_slow_block_is_set_at_its_next_step_and_set_back_at_the_nex
     operation = _of_value(Setting("motor", (), span, "faults[1]"), 2.5, every, Fraction(1, 10))
     assert (operation.first, operation.until) == acts
     assert (operation.kind, operation.value, operation.before) == ("replace", 2.5, True)
+
+
+CUT = "faults: [{cut: regulator.speed, at: 0.5 s}]\n"
+"""In a connection, so that an FMU of changes stands before the regulator."""
+
+
+def test_what_goes_through_an_fmu_of_changes_comes_to_the_block_as_it_leaves(loop):
+    loop.write_text(loop.read_text() + CUT)
+    system, _, _ = of(loop)
+    into = {wire.target: (wire.source, wire.factor, wire.offset) for wire in system.wires}
+    source, factor, offset = into["regulator", "speed"]
+    assert (source[0], factor, offset) == ("regulator_changes", 1.0, 0.0)
+    assert [c.name for c in system.components] == ["motor", "regulator", "regulator_changes"]
+    assert system.order.index("regulator_changes") == system.order.index("regulator") - 1
+
+
+def test_changes_need_the_sequential_exchange_and_nothing_else_does(loop):
+    parallel = loop.read_text() + "exchange: parallel\n"
+    loop.write_text(parallel + CUT)
+    with pytest.raises(
+        InputError, match=r"faults: a parallel exchange delays .* by one more step; remedy: exchange: seq"
+    ):
+        flat(orchestration.load(loop))
+    loop.write_text(loop.read_text().replace("exchange: parallel", "exchange: sequential"))
+    assert len(flat(orchestration.load(loop)).components) == 3
+
+
+def test_a_value_at_the_start_is_converted_with_the_offset_of_its_unit():
+    link = SimpleNamespace(factor=2.0, offset=3.0)
+    node = Node("motor", Element("speed", 0))
+    assert Values(lambda node: 0.0, {node: 5}).of(link, node) == 13.0
+    assert Values(lambda node: 0.0, {node: 5}).of(SimpleNamespace(factor=1.0, offset=-273.15), node) == -268.15
+
+
+def test_only_the_parameters_that_are_set_are_declared_as_inputs(loop):
+    fmu = open_fmu(loop.with_name("motor.fmu"))
+    loop.with_name("other.fmu").write_bytes(with_inputs(fmu, frozenset({"inertia", "cooled"}), False))
+    other = open_fmu(loop.with_name("other.fmu")).model.variables
+    changed = {name for name, variable in fmu.model.variables.items() if other[name].causality != variable.causality}
+    assert changed == {"inertia", "cooled"}
+    assert (other["inertia"].causality, other["cooled"].causality) == ("input", "input")

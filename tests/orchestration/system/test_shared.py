@@ -37,6 +37,7 @@ def notes(scenario, **changes) -> list[str]:
     return [note for note in open_scenario(loaded).plan.notes if "the same quantity" in note]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("path", sorted((ROOT / "scenarios").glob("*.yaml")), ids=lambda path: path.stem)
 def test_the_blocks_of_our_scenarios_agree(path):
     assert notes(path) == []

@@ -25,6 +25,7 @@ def campaign(flags):
     return SimpleNamespace(job=SimpleNamespace(requirements=[REQUIRED])), data
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("true", "wrong"), [(0.8999, "met"), (0.9, "not met")])
 @pytest.mark.parametrize("announced", [150, 300])
 def test_whoever_sees_all_runs_and_chooses_the_end_gets_no_more_wrong_verdicts_than_the_confidence_allows(
