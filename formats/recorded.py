@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from orchestration.errors import InputError, Place, Problem, hint, reason
 from orchestration.results.data import RunData
+from orchestration.results.whole import parsed
 
 _ELEMENT = re.compile(r"(.*?)((?:\[\d+\])+)$")
 
@@ -61,8 +61,9 @@ def recorded(result: RunData | Path) -> Recorded:
 
 def _of_folder(folder: Path) -> Recorded:
     try:
-        manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
-        if not isinstance(manifest, dict):
+        manifest = parsed(folder / "manifest.json")
+        own = [manifest.get(key, {}) for key in ("units", "parameters")] if isinstance(manifest, dict) else [None]
+        if not all(isinstance(entry, dict) for entry in own):
             raise ValueError("a manifest.json that is none")
         label, values = _table(folder)
     except (OSError, ValueError) as error:
@@ -88,6 +89,9 @@ def _of_folder(folder: Path) -> Recorded:
 
 def _table(folder: Path) -> tuple[list[str], NDArray[np.float64]]:
     """Returns the header and the rows of the signals."""
+    for name in ("signals.parquet", "signals.csv"):
+        if (folder / name).exists() and not (folder / name).is_file():
+            raise ValueError(f"{name} is no regular file")
     path = folder / "signals.parquet"
     if path.exists():
         import pyarrow.parquet  # optional, and slow to import  # noqa: PLC0415

@@ -21,6 +21,7 @@ from orchestration.cli.console import say, say_table
 from orchestration.cli.help import examples
 from orchestration.errors import writing
 from orchestration.quantities import SECOND, QuantityError, parse_unit, value_in
+from orchestration.results.whole import parsed
 from plant.time_scales import parse_epoch
 
 from .attitude import attitudes
@@ -211,7 +212,7 @@ def _calibrated(flight: Flight, known: Calibration | None) -> Calibration:
 
 def _known(path: Path) -> Calibration:
     try:
-        data = json.loads(path.read_text("utf-8"))
+        data = parsed(path)
         A, offset, gain = (np.array(data[key], float) for key in ("matrix", "offset", "gain"))
         if A.shape != (3, 3) or offset.shape != (len(gain), 4) or gain.shape[1] != 2:
             raise ValueError("shapes")

@@ -13,6 +13,7 @@ from typing import Any
 
 from orchestration import InputError
 from orchestration.results.view import beside
+from orchestration.results.whole import parsed
 
 from . import content
 from .content import APART, Curves, Review, Section, Table
@@ -113,10 +114,13 @@ def of_folder(folder: Path) -> Review:
 
 def _of_run(folder: Path) -> Review:
     try:
-        manifest = json.loads((folder / "manifest.json").read_text("utf-8"))
-        outcome = json.loads((folder / "expectations.json").read_text("utf-8"))
-    except ValueError as error:
-        raise InputError(f"{folder}: manifest.json or expectations.json is damaged: {error}") from None
+        return _made(folder, parsed(folder / "manifest.json"), parsed(folder / "expectations.json"))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, StopIteration) as error:
+        files = "manifest.json, expectations.json or signals.csv"
+        raise InputError(f"{folder}: {files} is damaged: {type(error).__name__}: {error}") from None
+
+
+def _made(folder: Path, manifest: Any, outcome: Any) -> Review:
     inputs = [
         [f"{block}.{name}", json.dumps(value)]
         for block, values in manifest["parameters"].items()
@@ -141,8 +145,10 @@ def _of_run(folder: Path) -> Review:
 def _curves(folder: Path, signals: list[str]) -> list[Curves]:
     """Returns the signals of the expectations, of a folder with signals.csv."""
     path = folder / "signals.csv"
-    if not path.is_file():
+    if not path.exists():
         return []
+    if not path.is_file():
+        raise ValueError("signals.csv is no regular file")
     with path.open(newline="", encoding="utf-8") as file:
         reader = csv.reader(file)
         header = next(reader)

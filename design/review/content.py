@@ -11,6 +11,7 @@ from typing import Any
 
 from orchestration import InputError
 from orchestration.errors import writing
+from orchestration.results.whole import parsed
 
 REVIEW = "review.json"
 APART = " ‖ "
@@ -85,7 +86,7 @@ def save_table(table: Table, path: Path) -> None:
 def load(folder: Path) -> Review:
     """Returns the review of a folder. Raises InputError."""
     try:
-        data: dict[str, Any] = json.loads((folder / REVIEW).read_text("utf-8"))
+        data: dict[str, Any] = parsed(folder / REVIEW)
         sections = [
             Section(
                 entry["heading"],

@@ -25,7 +25,7 @@ from orchestration import InputError, Scenario
 from orchestration.errors import writing
 from orchestration.results.arrays import Arrays
 from orchestration.results.view import view
-from orchestration.results.whole import put
+from orchestration.results.whole import parsed, put
 from orchestration.scenario.text import written
 from orchestration.session.open import open_fmus
 from orchestration.session.read import load, read
@@ -118,7 +118,7 @@ def motion(file: Path, duration: str, folder: Path) -> dict[str, Any] | None:
     scenario = load(read(path))
     kept, key = path.with_suffix(".json"), _key(scenario)
     with suppress(OSError, ValueError, KeyError, TypeError):
-        data = json.loads(kept.read_text("utf-8"))
+        data = parsed(kept)
         if data["key"] == key:
             shown: dict[str, Any] | None = data["view"]
             return shown

@@ -10,6 +10,7 @@ from markupsafe import Markup
 
 from orchestration.errors import writing
 from orchestration.results import html, plots
+from orchestration.results.whole import put
 
 from .content import APART, Curves, Review, Section, Table
 
@@ -29,7 +30,7 @@ def write(review: Review, folder: Path) -> Path:
     """Writes the page of a review beside its data and returns its path. Raises ResultsError."""
     path = folder / NAME
     with writing(folder):
-        path.write_text(page(review), "utf-8", newline="\n")
+        put(path, page(review))
     return path
 
 

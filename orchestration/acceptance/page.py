@@ -17,6 +17,7 @@ from ..results.html import Page, each, header, joined, listed, piece, section, t
 from ..results.inputs import inputs
 from ..results.plots import CURVES, ROWS, Curve, plot
 from ..results.report import figure, fmu_table
+from ..results.whole import put
 from . import verdict as words
 from .compare import Comparison
 from .difference import Difference
@@ -34,7 +35,7 @@ def write(comparison: Comparison, folder: Path) -> Path:
     path = folder / "comparison.html"
     with writing(path):
         folder.mkdir(parents=True, exist_ok=True)
-        path.write_text(page(comparison), "utf-8", errors="replace", newline="\n")
+        put(path, page(comparison))
     return path
 
 

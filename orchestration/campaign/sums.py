@@ -17,8 +17,8 @@ from typing import Annotated, Any
 from pydantic import BaseModel, Field, ValidationError
 
 from ..errors import InputError, ResultsError, reason
+from ..results import whole
 from ..results.data import json_text
-from ..results.whole import put
 
 MANIFEST = "campaign.json"
 RUNS = "runs"
@@ -68,7 +68,7 @@ def write(folder: Path, record: Mapping[str, Any]) -> None:
     value = hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()
     start, _, end = text.rpartition(_UNKNOWN)
     try:
-        put(folder / MANIFEST, f"{start}{value}{end}")
+        whole.put(folder / MANIFEST, f"{start}{value}{end}")
     except OSError as error:
         raise ResultsError(f"the campaign's manifest cannot be written: {folder / MANIFEST}: {reason(error)}") from None
 
@@ -79,9 +79,10 @@ def read(folder: Path) -> dict[str, Any]:
     if not path.is_file():
         raise InputError(f"{path} is no file; expected the manifest of a campaign; {_AWAY}")
     try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {reason(error)}") from None
+        content = whole.content(path)
+    except (OSError, ValueError) as error:
+        why = reason(error) if isinstance(error, OSError) else error
+        raise InputError(f"{path} cannot be read: {why}") from None
     seal = _SEAL.search(content)
     if seal is None:
         raise InputError(f"{path} is no manifest of a campaign, or one without SHA-256 of an earlier version; {_AWAY}")

@@ -10,7 +10,6 @@ to the next run.
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import shutil
 import tempfile
@@ -23,7 +22,7 @@ from typing import Any
 
 from ..errors import InputError, reason
 from ..interrupt import held
-from .whole import PART, sync
+from .whole import PART, parsed, sync
 
 try:
     import fcntl
@@ -54,16 +53,20 @@ def check_writable(folder: Path) -> None:
 
 
 def refuse_links(folder: Path) -> None:
-    """Refuses a folder of results in which something is a link: a command would write beyond the folder. Raises
-    InputError.
+    """Refuses a folder of results in which something is a link, since a command would write beyond the folder, or a
+    pipe, a socket or a device, for which it would wait. Raises InputError.
 
-    The files of a run take the place of links, and hidden files are no one's.
+    The files of a run take the place of such, and hidden files are no one's.
     """
     with suppress(OSError):  # it is not there
         for path in sorted(folder.iterdir()):
-            if path.is_symlink() and path.name not in FILES and not path.name.startswith("."):
-                remedy = "remedy: remove it, or another folder (--out)"
+            if path.name in FILES or path.name.startswith("."):
+                continue
+            remedy = "remedy: remove it, or another folder (--out)"
+            if path.is_symlink():
                 raise InputError(f"{path} is a link; expected what lies in the folder itself; {remedy}")
+            if path.exists() and not (path.is_file() or path.is_dir()):
+                raise InputError(f"{path} is a device, a pipe or a socket; expected a regular file; {remedy}")
 
 
 def refuse_foreign(folder: Path, own: Iterable[str] = ()) -> None:
@@ -106,7 +109,7 @@ def refuse_other(folder: Path, scenario: str) -> None:
 def _manifest(folder: Path) -> dict[str, Any]:
     """Returns the manifest in a folder; nothing where there is none of ours."""
     try:
-        data = json.loads((folder / MANIFEST).read_text("utf-8"))
+        data = parsed(folder / MANIFEST)
     except (OSError, ValueError):
         return {}
     return data if isinstance(data, dict) else {}

@@ -15,6 +15,7 @@ from markupsafe import Markup
 from ...results.html import Page, joined
 from ...results.inputs import value_text
 from ...results.report import manifest_fold
+from ...results.whole import put
 from ..statistics.bounds import quantile, share
 from ..statistics.sensitivity import RANKED
 from ..statistics.verdicts import probability
@@ -36,7 +37,7 @@ _WORST = 5
 def write(folder: Path) -> Path:
     """Writes campaign.html beside campaign.json and returns its path."""
     path = folder / "campaign.html"
-    path.write_text(page(folder), "utf-8", errors="replace", newline="\n")
+    put(path, page(folder))
     return path
 
 

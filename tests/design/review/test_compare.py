@@ -82,3 +82,27 @@ def test_one_folder_is_shown_and_two_are_compared_by_the_command(satellite, tmp_
     assert two.exit_code == 0, two.stderr
     assert "A: a. B: flown." in (tmp_path / "two" / "review.html").read_text("utf-8")
     assert load(tmp_path / "a-review") == saved
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("manifest.json", "[" * 100_000),
+        ("manifest.json", '{"scenario": {"name": "a"}}'),
+        ("expectations.json", '{"expectations": [{}]}'),
+        ("signals.csv", "time,a\n1,x\n"),
+        ("signals.csv", ""),
+    ],
+)
+def test_a_damaged_folder_of_a_run_is_told_by_its_files(tmp_path, name, text):
+    good = {
+        "manifest.json": '{"scenario": {"name": "a"}, "parameters": {}, "simulated_time": 1.0, "outcome": "met"}',
+        "expectations.json": '{"expectations": [{"name": "b", "status": "met", "signal": "a"}]}',
+        "signals.csv": "time,a\n1,2\n",
+    }
+    for place, content in good.items():
+        (tmp_path / place).write_text(content)
+    assert compare.of_folder(tmp_path).name == "a"
+    (tmp_path / name).write_text(text)
+    with pytest.raises(InputError, match=r"manifest\.json, expectations\.json or signals\.csv is damaged"):
+        compare.of_folder(tmp_path)

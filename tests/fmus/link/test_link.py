@@ -253,6 +253,29 @@ def test_lock_step_keeps_every_sample_on_a_serial_line_that_damages_bytes(direct
         np.testing.assert_array_equal(flown(block), direct)
 
 
+def test_a_serial_line_that_brings_one_byte_at_a_time_costs_no_request(direct):
+    """One try in two seconds: a byte that is lost alone would end the run."""
+
+    def bytewise(data: bytes, way: str) -> list[tuple[float, bytes]]:
+        return [(2e-4 * i, data[i : i + 1]) for i in range(len(data))] if way == "from" else [(0.0, data)]
+
+    with (
+        terminals(bytewise) as (proxy, path, _),
+        devices.running("controller", "serial", path),
+        asked(proxy.address, "serial", tries=1) as block,
+    ):
+        np.testing.assert_array_equal(flown(block, 6), direct[:7])
+
+
+def test_what_is_of_no_frame_is_counted_once_however_long_it_is():
+    def noisy(data: bytes, way: str) -> list[tuple[float, bytes]]:
+        return [(0.0, b"\x00" * 7 + data)] if way == "from" else [(0.0, data)]
+
+    with behind(noisy) as (proxy, _), asked(proxy.address) as block:
+        flown(block, 5)
+        assert 6 <= block.get("link_damaged_frames") <= proxy.passed["from"]
+
+
 def test_a_cut_cable_stops_the_run_in_time_and_says_where():
     with behind(as_they_are) as (proxy, _), asked(proxy.address, time_out=0.2) as block:
         flown(block, 5)

@@ -122,7 +122,7 @@ def test_a_manifest_that_is_no_file_is_refused_at_once(toy):
     Path("out").mkdir()
     os.mkfifo("out/campaign.json")
     result = command(toy, "--workers", 0, "--out", "out")
-    assert (result.exit_code, "out/campaign.json is no file; expected the manifest" in result.stderr) == (2, True)
+    assert (result.exit_code, "out/campaign.json is a device, a pipe or a socket" in result.stderr) == (2, True)
 
 
 @pytest.mark.parametrize(

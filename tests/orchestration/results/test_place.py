@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -135,3 +136,49 @@ def test_a_place_for_fmus_that_is_a_file_is_refused_before_any_is_built(argument
 
 def full(path: Path) -> None:
     raise OSError(errno.ENOSPC, "No space left on device")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")
+def test_a_pipe_or_a_device_among_results_is_refused_by_name_and_nobody_waits(toy, tmp_path):  # noqa: F811
+    """Of a run the manifest and a signal, which new ones replace; of a campaign its page, and what is replayed."""
+    run, flown = tmp_path / "run", tmp_path / "flown"
+    run.mkdir()
+    for name in ("manifest.json", "signals.csv"):
+        os.mkfifo(run / name)
+    (run / "expectations.json").symlink_to("/dev/zero")
+    assert orchestrate(str(toy.with_name("loop.yaml")), "--out", str(run)).exit_code in (0, 1, 2)
+    campaign = ("campaign", str(toy), "--workers", "0", "--runs", "2", "--out", str(flown))
+    assert orchestrate(*campaign).exit_code in (0, 1)
+    (flown / "campaign.html").unlink()
+    os.mkfifo(flown / "campaign.html")
+    told = orchestrate(*campaign)
+    message = f"{flown / 'campaign.html'} is a device, a pipe or a socket; expected a regular file; remedy: remove it"
+    assert (told.exit_code, message in told.stderr) == (2, True)
+    (flown / "campaign.html").unlink()
+    (flown / "replay-0").mkdir()
+    os.mkfifo(flown / "replay-0" / "scenario.yaml")
+    assert orchestrate(*campaign, "--replay", "0").exit_code in (2, 4)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")
+def test_a_file_is_read_whole_unless_it_is_a_pipe_or_too_large_or_nested_too_deep(tmp_path):
+    for name, text in (("good", '{"a": [1]}'), ("deep", "[" * 100_000), ("none", "{")):
+        (tmp_path / name).write_text(text)
+    os.mkfifo(tmp_path / "pipe")
+    with (tmp_path / "large").open("wb") as file:
+        file.truncate(whole.BYTES_MAX + 1)
+    assert whole.parsed(tmp_path / "good") == {"a": [1]}
+    for name, words in (("deep", "nested too deep"), ("none", "Expecting"), ("pipe", "no regular"), ("large", "MB")):
+        with pytest.raises(ValueError, match=words):
+            whole.parsed(tmp_path / name)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")
+def test_a_pipe_is_written_where_somebody_reads_it_and_is_an_error_where_nobody_does(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(OSError, match="pipe"):
+        whole.put(tmp_path / "pipe", "text")
+    reader = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    whole.put(tmp_path / "pipe", "text")
+    assert os.read(reader, 10) == b"text"
+    os.close(reader)
