@@ -105,4 +105,7 @@ def load(folder: Path) -> Review:
 
 def number(value: float, figures: int = 3) -> str:
     """Returns a number to some figures; a dash where it is none."""
-    return f"{value:.{figures}g}" if value == value and abs(value) != float("inf") else "–"
+    if value != value or abs(value) == float("inf"):
+        return "–"
+    text = f"{value:.{figures}g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < 1e6 else text

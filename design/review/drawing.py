@@ -69,7 +69,8 @@ def drawing(p: Parameters) -> str:
         )
         line(place, place - 0.14 * largest * axis, COLOURS["wheel"], 2.0, f"w{i}")
     x, y = at(p.center_of_mass_B)
-    ends = np.array([at(reach * axis) for axis in (*np.eye(3), *-np.eye(3))] + [at(q) for ring in prism for q in ring])
+    shown_axes = [reach * axis for axis in np.eye(3)] + [-0.5 * largest * axis for _, axis in shown]
+    ends = np.array([at(q) for q in (*shown_axes, *(q for ring in prism for q in ring))])
     low, high = ends.min(axis=0) - 30.0, ends.max(axis=0) + 30.0
     box = " ".join(f"{v:.1f}" for v in (*low, *(high - low)))
     parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="#333333"/>')

@@ -75,9 +75,9 @@ def data(facts: Facts) -> Section:
         if values.any()
     ]
     tables = [
-        Table("Data of the satellite", ["value", ""], [list(row) for row in shown]),
+        Table("Data of the satellite", ["", "value"], [list(row) for row in shown]),
         Table(
-            "Sensors", ["value", ""], sensors, "What is not zero of the block plant_sensors, in units of data sheets."
+            "Sensors", ["", "value"], sensors, "What is not zero of the block plant_sensors, in units of data sheets."
         ),
         Table("Assumptions", ["where", "what"], assumptions(facts), "Lines of the files that say 'assumed'."),
         Table(
@@ -154,8 +154,8 @@ def disturbances(facts: Facts) -> tuple[Section, dict[str, float]]:
         H = np.cumsum(np.einsum("nij,nj->ni", attitudes, tau), axis=0) * step
         gathered[name] = float(np.linalg.norm(H, axis=1).max())
         bound = bounds.get(name, sum(bounds.values()) if name == "all together" else 0.0)
-        rows.append([name, *(f"{1e9 * v:.3g}" for v in (size.min(), size.mean(), size.max(), bound)),
-                     f"{0.0 if name in flat else 1e6 * gathered[name]:.3g}"])  # fmt: skip
+        rows.append([name, *(number(1e9 * v) for v in (size.min(), size.mean(), size.max(), bound)),
+                     number(0.0 if name in flat else 1e6 * gathered[name])])  # fmt: skip
     margins = [["rods, weakest field", prefixed(s.rods, "N.m"), prefixed(largest, "N.m"), _ratio(s.rods, largest)]]
     least = {"torque_margin": [(s.rods, largest)], "momentum_margin": list[tuple[float, float]]()}
     for i, wheel in enumerate(p.wheel_list, start=1):

@@ -1,6 +1,6 @@
 """Single flights of a review: slews, a station that is tracked, and each single failure.
 
-Tests: tests/design/review/test_manoeuvres.py.
+Tests: tests/design/review/test_review.py.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, float]:
             longest = max(longest, math.inf if within[0] is None else within[0])
             momentum = float(np.abs(one[h_w]).max())
             told = [number(t, 4) if t is not None else "not within an orbit" for t in within]
-            rows.append([f"{angle} deg", axis, *told, f"{1e3 * momentum:.3g}", one.failure or ""])
+            rows.append([f"{angle} deg", axis, *told, number(1e3 * momentum), one.failure or ""])
     columns = ["slew", "about", "below 5 deg after, s", "below 1 deg after, s", "largest momentum, mN.m.s", "failed"]
     note = (
         "From rest relative to the orbit, on an attitude that is measured to 0.01 deg at any rate: what actuators and "
@@ -151,7 +151,7 @@ def tracking(facts: Facts, flown: Mapping[str, Flown], why: str) -> tuple[Sectio
         ["error, rms", f"{math.degrees(math.sqrt(float(np.mean(error**2)))):.3g} deg"],
         ["error, largest", f"{math.degrees(error.max()):.3g} deg"],
         ["largest body rate", f"{math.degrees(rate.max()):.3g} deg/s"],
-        ["largest momentum of a wheel", f"{1e3 * np.abs(one[h_w]).max():.3g} mN.m.s"],
+        ["largest momentum of a wheel", f"{number(1e3 * float(np.abs(one[h_w]).max()))} mN.m.s"],
     ]
     minutes = one.time / 60.0
     late = one.time > one.time[-1] - 1800.0
@@ -208,7 +208,7 @@ def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, float]:
         worst = max(worst, float(one[judge][last].max()) if name != "none" else 0.0)
         rms = math.sqrt(float(np.mean(error**2)))
         momentum = 1e3 * np.abs(one[h_w][last]).max()
-        told = [f"{value:.3g}" for value in (rms, error.max(), momentum)]
+        told = [number(float(value)) for value in (rms, error.max(), momentum)]
         rows.append([name, _found(facts, name, one, at), *told, ""])
     columns = ["failure", "found after", "rms, deg", "largest, deg", "wheel, mN.m.s", "flight failed"]
     note = (

@@ -1,4 +1,4 @@
-"""The page of a review, and that of two side by side. Tests: tests/design/review/test_page.py."""
+"""The page of a review, and that of two side by side. Tests: tests/design/review/test_review.py."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from markupsafe import Markup
 from orchestration.errors import writing
 from orchestration.results import html, plots
 from orchestration.results.whole import put
+from plant.so3 import Array
 
 from .content import APART, Curves, Review, Section, Table
 
@@ -19,10 +20,14 @@ STYLE = """
 .off { background: var(--warn-soft); padding: 0 .25rem; border-radius: .2rem; }
 .drawing { max-width: 420px; margin: 0 0 1rem; }
 .csv { font-size: .82rem; }
+.about { color: var(--quiet); font-size: .86rem; max-width: 70rem; }
+.about + h3 { margin-top: 1rem; }
 nav ol { columns: 18rem; padding-left: 1.4rem; }
 @media print { section { break-inside: auto; } .drawing { max-width: 300px; } nav { display: none; } }
 """
 NAME = "review.html"
+DEPTH = 1e-4
+"""Of the largest value: the least that a logarithmic axis has."""
 _STATUS = ("met", "not met", "undecided", "not verifiable")
 
 
@@ -81,8 +86,8 @@ def table(one: Table) -> Markup:
         return Markup("<h3>{}</h3>\n<p>none</p>\n").format(one.name)
     cells = [[_cell(text) for text in row] for row in one.rows]
     head = Markup('<h3>{} <a class="csv" href="{}">CSV</a></h3>\n').format(one.name, one.file)
-    note = Markup('<p class="hint">{}</p>\n').format(one.note) if one.note else Markup("")
-    return head + html.table(one.columns, cells, "review") + note
+    note = Markup('<p class="about">{}</p>\n').format(one.note) if one.note else Markup("")
+    return head + html.table(one.columns, cells, "review named" if len(one.columns) > 2 else "review") + note
 
 
 def _cell(text: str) -> str | Markup:
@@ -95,7 +100,7 @@ def _cell(text: str) -> str | Markup:
 def figure(one: Curves, made: html.Page) -> Markup:
     """Returns a figure of curves."""
     x = np.array(one.x)
-    curves = [plots.Curve(name, np.array(values), i) for i, (name, values) in enumerate(one.y.items())]
+    curves = [plots.Curve(name, _shown(values, one.log), i) for i, (name, values) in enumerate(one.y.items())]
     shown: dict[str, Any] = {
         **plots.plot(x, one.y_label, curves, made.arrays, plots.FEWER),
         "unit": "",
@@ -105,3 +110,9 @@ def figure(one: Curves, made: html.Page) -> Markup:
         "xname": one.x_label.partition(",")[0],
     }
     return made.figure(one.name, [shown], kind="n1")
+
+
+def _shown(values: list[float], log: bool) -> Array:
+    """Returns the values that are drawn: on a logarithmic axis none that is zero or far below all others."""
+    found = np.array(values)
+    return np.where(found > DEPTH * found.max(initial=0.0), found, np.nan) if log else found

@@ -1,6 +1,6 @@
 """The pointing budget: errors of pointing and of knowledge in the hold, by contributor and together.
 
-Tests: tests/design/review/test_pointing.py.
+Tests: tests/design/review/test_review.py.
 """
 
 from __future__ import annotations

@@ -10,9 +10,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 
-from orchestration.session.read import read
+from orchestration.scenario.source import Source
+from orchestration.session.read import load, read
+from orchestration.session.run import whole
 
 from . import inputs, manoeuvres, margins, pointing, studies, tumbles, verify
 from .content import Review, Section
@@ -22,8 +24,8 @@ from .flights import motion as flown_alone
 from .options import Options, Tell
 from .power import power
 
-SPEED = 25_000
-"""Steps a second that a core flies of a satellite with one wheel, sensors and estimator."""
+SAMPLE = 0.4
+"""Orbits of the file's own tumble that are flown to see how fast it is."""
 LIMITS = [
     "Flexible parts, sloshing, moving panels and appendages: the body is rigid.",
     "Failures of two parts at once, failures that come and go, the computer, the radio and the power supply.",
@@ -44,7 +46,8 @@ def review(
     """
     begun = perf_counter()
     found = facts(file, options.mass)
-    announce(_planned(found, options))
+    source = read(file)
+    announce(_planned(found, options, speed(found, source)))
     case, rows = tumbles.fly(found, options, folder, lambda done: tell("tumbles", done, options.runs))
     place = folder / "flights"
     holds = pointing.flights(found, options, case)
@@ -72,7 +75,7 @@ def review(
         agility,
         station,
         failures,
-        margins.section(found, read(file)),
+        margins.section(found, source),
         power(found, options, flown),
         required,
         _left(found),
@@ -88,17 +91,28 @@ def review(
     return Review(found.scenario.name, found.scenario.description, shown, sections, said)
 
 
-def _planned(found: Facts, options: Options) -> str:
+def speed(found: Facts, source: Source) -> float:
+    """Returns how many steps a second a processor flies of the file's own tumble, whatever else it does."""
+    source = source.without([(name,) for name in ("record", "expect", "figures", "live", "timeline", "faults")])
+    duration = SAMPLE * found.period
+    for seconds in (min(60.0, duration), duration):  # the first loads
+        scenario = load(source.with_value("duration", f"{seconds:.6g} s", "review"))
+        begun = process_time()
+        flown = whole(scenario)
+    return float(flown.time[-1]) / scenario.step / max(process_time() - begun, 1e-3)
+
+
+def _planned(found: Facts, options: Options, steps: float) -> str:
     """Returns how many flights there are, and about how long they take."""
     holds = sum(pointing.members(options, name) for name in pointing.cases(found))
     fails = len(studies.failures(found)) + 1
     slews = len(manoeuvres.slews(found))
     orbits = tumbles.ORBITS * (options.runs + 1) + (pointing.SETTLED + pointing.OBSERVED) * holds
     orbits += manoeuvres.ENDS * fails + slews + manoeuvres.PASS
-    minutes = orbits * found.period / found.scenario.step / SPEED / max(options.workers, 1) / 60.0
+    minutes = orbits * found.period / found.scenario.step / steps / max(options.workers, 1) / 60.0
     return (
         f"{options.runs + holds + fails + slews + 1} flights, {orbits:.0f} orbits: about {max(minutes, 1):.0f} min on "
-        f"{max(options.workers, 1)} free cores at {SPEED:,} steps a second, less what has been flown"
+        f"{max(options.workers, 1)} free cores at {steps:,.0f} steps a second, less what has been flown"
     )
 
 

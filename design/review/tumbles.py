@@ -1,6 +1,6 @@
 """The tumbles of a review: a campaign, whose own page and replay stand behind what is shown here.
 
-Tests: tests/design/review/test_tumbles.py.
+Tests: tests/design/review/test_review.py.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ def test_a_constant_torque_gathers_what_the_turning_body_leaves_of_it(satellite,
     facts = of.facts(file, None)
     table, margins = inputs.disturbances(facts)[0].tables
     rows = {row[0]: row for row in table.rows}
-    assert rows["constant"][1:4] == ["1e+03", "1e+03", "1e+03"]
+    assert rows["constant"][1:4] == ["1000", "1000", "1000"]
     # In the plane of the orbit its direction turns once: at half of the orbit 2 tau T/(2 pi) has gathered.
     assert float(rows["constant"][5]) == pytest.approx(1e6 * 1e-6 * facts.period / math.pi, rel=0.01)
     assert float(margins.rows[1][3]) == pytest.approx(2e-3 / (1e-6 * facts.period / math.pi), rel=0.02)

@@ -62,6 +62,24 @@ def test_a_review_has_all_sections_and_goes_on_where_it_was_stopped(satellite, t
     assert [t.rows for s in again.sections for t in s.tables] == [t.rows for s in found.sections for t in s.tables]
 
 
+def test_the_time_that_is_announced_is_that_of_all_steps_at_the_speed_that_was_measured(facts):
+    options = Options(runs=100, members=20, workers=2)
+    said = run._planned(facts, options, 1000.0)
+    assert "1,000 steps a second" in said
+    orbits = float(said.partition(" flights, ")[2].partition(" orbits")[0])
+    steps = orbits * facts.period / facts.scenario.step
+    assert float(said.partition("about ")[2].partition(" min")[0]) == pytest.approx(steps / 1000 / 2 / 60, abs=1)
+    assert orbits > 2 * 100 + 1.5 * 20
+
+
+def test_what_is_drawn_on_a_logarithmic_axis_leaves_out_what_is_next_to_nothing():
+    """A hold starts at an error of rounding, which would stretch the axis over ten decades."""
+    shown = page._shown([1e-15, 0.0, 0.5, 2.0], True)
+    assert np.isnan(shown[:2]).all()
+    assert shown[2:].tolist() == [0.5, 2.0]
+    assert page._shown([0.0, 2.0], False).tolist() == [0.0, 2.0]
+
+
 def test_wheels_have_margins_in_each_channel_and_a_planned_controller_what_is_left_of_disturbances(facts, four_wheels):
     four = of.facts(four_wheels, None)
     table = margins.section(four, read(four_wheels)).tables[0]
