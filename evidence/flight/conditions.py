@@ -8,7 +8,7 @@ import numpy as np
 from ..markdown import degrees, finite, orbits
 from ..paper import ORBIT
 from .cases import PAIRINGS
-from .kept import Flights, angle, quantile
+from .kept import Flights, quantile
 from .tried import TRIED
 
 
@@ -16,14 +16,13 @@ def tried(flights: Flights) -> list[list[str]]:
     """A row for each of TRIED."""
     rows = []
     for t in TRIED:
-        times, held = flights.times(t.name), flights.hold_errors(t.name)
+        times = flights.times(t.name)
         failed = sum("the run failed" in line["remark"] for line in flights.of(t.name))
         rows.append(
             [
                 t.text + (f" ({failed} runs failed)" if failed else ""),
                 finite(times),
                 *(orbits(quantile(times, q)) for q in (0.5, 1.0)),
-                angle(held, np.median),
                 became(flights, t.name),
                 told(flights, t.name),
             ]
@@ -51,10 +50,5 @@ def told(flights: Flights, group: str) -> str:
 
 def pairings(flights: Flights) -> list[list[str]]:
     """A row for each of PAIRINGS."""
-    rows = []
-    for (law, allocator), name in PAIRINGS.items():
-        line = flights.of(f"{law} + {allocator}")[0]
-        times = [line[f"settled_{d}deg_s"] for d in (5, 1)]
-        hold = f"hold {degrees(float(line['hold_rms_deg'] or 'nan'))} rms"
-        rows.append([name, *(orbits(float(t or "inf") / ORBIT) for t in times), hold if times[0] else line["remark"]])
-    return rows
+    flown = {name: flights.of(f"{law} + {allocator}")[0] for (law, allocator), name in PAIRINGS.items()}
+    return [[name, orbits(float(line["settled_5deg_s"] or "inf") / ORBIT)] for name, line in flown.items()]

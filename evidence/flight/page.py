@@ -30,9 +30,10 @@ def text(flights: Flights) -> str:
     ]
     beside = {s: finite(np.concatenate([flights.times(f"{g} {s}") for g in NAMES])) for s in ("tuned", "paper")}
     tried = conditions.tried(flights)
-    sound = [
-        row for row in tried if row[1] == finite(np.zeros(len(flights.of("as nominal")))) and row[5:] == ["0", "0"]
-    ]
+    tries = len(flights.of("as nominal"))
+    kept = [row for row in tried if row[1] == finite(np.zeros(tries)) and row[4] == "0"]
+    sound = [row for row in kept if row[5] == "0"]
+    found = [row for row in kept if row[5].startswith(f"{tries} ")]
     return markdown.render(
         Path(__file__).parent,
         trial="" if n >= 1000 else " and ".join(f"{len(flights.of(g))} ({name})" for g, name in NAMES.items()),
@@ -53,9 +54,12 @@ def text(flights: Flights) -> str:
         manoeuvres=_manoeuvres(flights),
         hold_orbits=HOLD_ORBITS,
         holds=_holds(flights),
-        tries=len(flights.of("as nominal")),
-        tried=[row for row in tried if row not in sound],
-        sound=[f"{what} ({median}, {worst}, {held})" for what, _, median, worst, held, _, _ in sound],
+        tries=tries,
+        tried=[row for row in tried if row not in sound and row not in found],
+        found="; ".join(row[0] for row in found),
+        sound=[row[0] for row in sound],
+        sound_median=f"{min(row[2] for row in sound)} to {max(row[2] for row in sound)}" if sound else "",
+        sound_worst=max((row[3] for row in sound), default=""),
         pairings=conditions.pairings(flights),
         failure_rates="; ".join(_failure_rate(flights, g) for g in NAMES).capitalize(),
         seeds=SEEDS,
@@ -111,12 +115,7 @@ def _manoeuvres(flights: Flights) -> list[list[str]]:
         for scheme, label in SCHEMES.items():
             group = which + scheme
             t = flights.times(group)
-            rows.append(
-                [
-                    *(name, label, *_summary(t).values()),
-                    *(angle(flights.hold_errors(group), np.max), _over_bound(flights, group, which)),
-                ]
-            )
+            rows.append([name, label, *_summary(t).values(), angle(flights.hold_errors(group), np.max)])
     return rows
 
 

@@ -130,20 +130,20 @@ TRIED = (
     ),
     Tried(
         "beside LVLH",
-        "a target that is turned from LVLH by a rotation drawn at random (`R_d0`)",
+        "a target turned from LVLH at random (`R_d0`)",
         draw={"beside": {"rotation": "uniform"}},
         vary=lambda: {"controller.R_d0": "beside", "judge.R_d0": "beside"},
     ),
     Tried(
         "eccentric",
-        "orbit of eccentricity 0.02, start at its perigee, anywhere",
+        "eccentricity of 0.02, start at any perigee",
         _start(plant__orbit_start="position_velocity"),
         ANYWHERE,
         lambda: _perigee(0.02),
     ),
     Tried(
         "products known",
-        "inertia with products, moments and axes up to 25% away, known to the controller",
+        "inertia with products, up to 25% away, known",
         draw=BODY,
         vary=lambda: {"plant.J_B": body(0.25), "controller.J_B": body(0.25)},
     ),
@@ -163,24 +163,24 @@ TRIED = (
     ),
     Tried(
         "wheel friction",
-        "wheel with 0.05 mN m Coulomb and 10⁻⁷ N m s/rad viscous friction (0.2 mN m at full speed), not known",
+        "wheel friction of 0.2 mN m at full speed, not known",
         _start(plant__wheel_coulomb_friction=5e-5, plant__wheel_viscous_friction=1e-7),
     ),
     Tried("rate noise", "noise of 5·10⁻⁴ rad/s on the rate, not known", _start(sensors__rate_noise=5e-4)),
     Tried(
         "rate noise known",
-        "noise of 5·10⁻⁴ rad/s on the rate, known (`rate_noise`)",
+        "noise of 5·10⁻⁴ rad/s on the rate, known",
         _start(sensors__rate_noise=5e-4, controller__rate_noise=5e-4),
     ),
     Tried(
         "rate bias",
-        "a bias of 10⁻⁴ rad/s on the rate, in any direction",
+        "a bias of 10⁻⁴ rad/s on the rate",
         draw=ANY,
         vary=lambda: {"sensors.rate_bias_B": "1e-4 * any"},
     ),
     Tried(
         "residual dipole",
-        "a residual dipole of 1.25 A m², in any direction",
+        "a residual dipole of 1.25 A m²",
         draw=ANY,
         vary=lambda: {"plant.residual_dipole_B": "1.25 * any"},
     ),
@@ -189,7 +189,7 @@ TRIED = (
     Tried("drag", "400 km, F10.7 of 230, ten times the drag (0.06 mN m)", _start(plant__drag_factor=10.0, **LOW)),
     Tried(
         "drag unsearched",
-        "the same with ten times the drag, no search for failures (`find_failures` false)",
+        "the same, no search for failures (`find_failures` false)",
         _start(plant__drag_factor=10.0, controller__find_failures=False, **LOW),
     ),
     Tried("one sample late", "commands a sample (0.5 s) late, not known", _late),
@@ -199,7 +199,7 @@ TRIED = (
         )
         for i in (1, 2, 3)
     ),
-    Tried("rod 1 known", "rod 1 gives nothing, known before the flight (`rod_gains0`)", _dead_and_known),
+    Tried("rod 1 known", "rod 1 gives nothing, known (`rod_gains0`)", _dead_and_known),
     Tried(
         "rod 3 limited",
         "rod 3 gives 10 A m² at most, known (`rod_limits`)",
@@ -219,7 +219,7 @@ TRIED = (
     Tried("no feed-forward errors", "all errors, no feed-forward to the allocator", _lost(*FEED_FORWARD), errors=True),
     Tried(
         "no feed-forward by demand errors",
-        "all errors, no feed-forward, and the allocator does not empty the wheel by itself (`desaturation_time` 10⁹ s, "
+        "all errors, no feed-forward, the allocator follows the demand alone (`desaturation_time` 10⁹ s, "
         "`wheel_weight` 0.02)",
         _by_demand,
         errors=True,

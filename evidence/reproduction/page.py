@@ -49,7 +49,6 @@ def _head(done: dict[str, Any]) -> dict[str, Any]:
         "excluded": f"{sum(gap > 0.0 for gap in gaps)} of {len(gaps)}",
         "latched": int(np.isin(code, (3, 4)).sum()),
         "converge_error": markdown.finite(done["random starts, error"].converged),
-        "random_starts": len(done["random starts, constant"].converged),
     }
 
 
@@ -63,10 +62,6 @@ def _cell(claim: Claim, seen: Seen) -> str:
     return f"{word}: {shown}{unit}"
 
 
-def _angle(radians: float) -> str:
-    return markdown.degrees(math.degrees(radians))
-
-
 def _claims(done: dict[str, Any]) -> dict[str, Any]:
     tables = {}
     for which, claims in CLAIMS.items():
@@ -75,18 +70,11 @@ def _claims(done: dict[str, Any]) -> dict[str, Any]:
             [claim.text, claim.paper + (" (implied)" if claim.implied else "")] + [_cell(claim, r.seen) for r in runs]
             for claim in claims
         ]
-        rows += [
-            ["outcome of the hold", "", *(r.hold for r in runs)],
-            ["attitude error at the end", "", *(_angle(r.seen.attitude_error[0]) for r in runs)],
-            ["largest torque demanded", "", *(f"{1e3 * r.seen.torque[0]:.3g} mN m" for r in runs)],
-        ]
         tables[which] = rows
     settled = np.concatenate([done[f"{w}: SI for an orbit"].settled for w in CLAIMS])
     return {
         "readings": "; ".join(f"({r.letter}) {r.text}" for r in READINGS.values()),
         "claims": tables,
-        "vc_demand": f"{done['V.C: run a'].seen.hold_by_rod[0]:.0f}",
-        "vb_rods": f"{float(done['V.B: run b'].seen.dipole[0]) / 15.0:.0f}",
         "si_runs": len(settled),
         "si_settled": int(np.isfinite(settled).sum()),
     }

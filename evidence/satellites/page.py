@@ -17,7 +17,7 @@ from .. import markdown
 from ..flight.cases import HOLD
 from ..markdown import degrees
 from ..plots import BLUE, RED, name_axes, panels
-from .classes import ALL, CLASSES, DURATION, EARLY, Satellite
+from .classes import ALL, DURATION, EARLY
 from .kept import (
     CONDITIONS,
     NAMES,
@@ -43,7 +43,6 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
     missed = not_settled(flights)
     return markdown.render(
         Path(__file__).parent,
-        data=[_data(name, it) for name, it in CLASSES.items()],
         flown=[_row(flights, name) for name in ALL],
         cases=len(flights.lines),
         settled_with_wheel=int(np.isfinite(times).sum()),
@@ -64,15 +63,9 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
     )
 
 
-def _data(name: str, it: Satellite) -> list[str]:
-    of_wheel = [f"{1e3 * x:g}" if it.has_wheel else "–" for x in (it.wheel_torque_max, it.wheel_momentum_max)]
-    axis = ", ".join(f"{x:.2g}" for x in it.wheel_axis) if it.has_wheel else "–"
-    return [name, ", ".join(f"{m:.3g}" for m in it.moments), f"{it.dipole_max:g}", *of_wheel, axis, f"{it.time:.0f}"]
-
-
 def _row(flights: Flights, name: str) -> list[str]:
     """Returns what became of a satellite's tumbles."""
-    settled, median, _, worst, *_ = _became(flights.of(name, "nominal"))
+    settled, median, worst, *_ = _became(flights.of(name, "nominal"))
     return [name, settled, median, worst, *_became(flights.of(name, "errors"))]
 
 
@@ -81,7 +74,7 @@ def _became(lines: Sequence[Mapping[str, str]]) -> list[str]:
     times, lost = settling_times(lines), are_lost(lines)
     well = np.isfinite(times)
     held = column(lines, "hold_rms_deg")[well]
-    spread = [f"{np.quantile(times, q, method='higher'):,.0f}" if well.any() else "–" for q in (0.5, 0.9, 1.0)]
+    spread = [f"{np.quantile(times, q, method='higher'):,.0f}" if well.any() else "–" for q in (0.5, 1.0)]
     hold = [degrees(float(f(held))) for f in (np.median, np.max)] if well.any() else ["–", "–"]
     again = f"{lost.sum()}, to {degrees(float(column(lines, 'later_max_deg')[lost].max()))}" if lost.any() else "0"
     return [f"{well.sum()} of {len(lines)}", *(s.replace("inf", "–") for s in spread), again, *hold]
