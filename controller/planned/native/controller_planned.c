@@ -27,6 +27,10 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
         const Model model = controller_planned_estimated(law, x);
         x->reference = controller_planned_advanced(&model, &around, &x->reference, x->u, dt);
     }
+    if (controller_planned_has_attitude_bound(u) && ahead.target_kind != ONBOARD_TARGET_NONE) {
+        const Target target = controller_planned_target_at(&ahead, x->t);
+        controller_planned_doubt(x, u->attitude_bound, norm(now.Omega), norm(target.Omega));
+    }
     controller_planned_decide(law, x, &ahead, &now, dt, first);
     x->sampled = true;
     controller_planned_command(law, x, u, &now, x->u, &x->held);

@@ -69,7 +69,8 @@ bool controller_planned_inputs_finite(const ControllerPlannedInputs *u, Fault *f
     if (controller_planned_has_b_B(u) && norm(vector(u->b_B)) > ONBOARD_FIELD_MAX) {
         return fault(f, "b_B", norm(vector(u->b_B)), "a field in tesla, |b_B| at most 0.001 (or 1e9: not connected)");
     }
-    if (!all_finite(&(Named){"h_w", u->h_w}, 1, f)) {
+    const Named scalars[] = {{"h_w", u->h_w}, {"attitude_bound", u->attitude_bound}};
+    if (!all_finite(scalars, COUNT(scalars), f)) {
         return false;
     }
     for (int i = 0; i < CONTROLS; ++i) {

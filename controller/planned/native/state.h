@@ -36,6 +36,8 @@ typedef struct {
     bool strained;         /* a hold that the wheel possibly cannot keep close (strained.h) */
     PlannedMotion planned; /* of the plan of a strained hold */
     Profile profile;       /* of the disturbance, along the last orbit, as far as it was strained */
+    bool has_held;         /* there has been a hold */
+    bool doubted;          /* no attitude is left by its bound, and the satellite has turned since: rates are damped */
     bool provisional;      /* the plan is what the first search had come to in its first sample */
     bool challenged;       /* the search's plan is held against the plan at the next sample */
     Motion reference;      /* of the plan, at t_sample */

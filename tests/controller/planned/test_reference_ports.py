@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from tests.native.driver import Refused
 
 from . import core, flat
-from .block import AS_MEASURED, KNOWN, SEARCHED, alike, lvlh, near_target, orbit, run, started, tumbling
+from .block import AS_MEASURED, KNOWN, SEARCHED, alike, at_target, lvlh, near_target, orbit, run, started, tumbling
 
 ZEROS = np.zeros((3, 3))
 INERTIAL = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
@@ -119,6 +119,30 @@ def test_an_attitude_that_is_lost_and_found_begins_the_plan_anew_each_time():
             y = run(it, t + 2.0, t + 10.0, inputs=to_lvlh)[0]
             assert not y["no_attitude"]
             assert y["phase"] in (1, 2)
+
+
+def bounded(bound, turns=0.0):
+    """At the target, with a bound on the attitude's error, rad; in a turn, rad/s."""
+
+    def inputs(t):
+        u = at_target(t)
+        return {**u, "attitude_bound": bound, "omega_B": np.array(u["omega_B"]) + [0.0, 0.0, turns]}
+
+    return inputs
+
+
+def test_rates_are_damped_each_time_the_satellite_turns_after_its_attitude_is_lost_by_its_bound():
+    """30 deg; 0.3 rad in T, which is 50 s."""
+    good, poor = bounded(0.5), bounded(0.55)
+    with started(poor, **KNOWN) as it:
+        assert 4 not in {y["phase"] for y in run(it, 0.0, 2.0, inputs=bounded(0.55, 0.02))}, "it has not been held yet"
+        assert run(it, 2.0, 120.0, inputs=poor)[-1]["phase"] == 3
+        for t in (120.0, 140.0):
+            assert 4 not in {y["phase"] for y in run(it, t, t + 2.0, inputs=poor)}, "calm"
+            assert 4 not in {y["phase"] for y in run(it, t + 2.0, t + 4.0, inputs=bounded(0.5, 0.02))}, "known"
+            assert run(it, t + 4.0, t + 6.0, inputs=bounded(0.55, 0.02))[-1]["phase"] == 4
+            assert {y["phase"] for y in run(it, t + 6.0, t + 8.0, inputs=poor)} == {4}, "until it is known again"
+            assert run(it, t + 8.0, t + 20.0, inputs=good)[-1]["phase"] in (1, 2, 3)
 
 
 # ------------------------------------------------------------------------------------------- the reference to come

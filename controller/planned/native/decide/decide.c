@@ -122,8 +122,9 @@ void controller_planned_decide(ControllerPlannedLaw *law, ControllerPlannedState
     }
     const Model model = controller_planned_estimated(law, x);
     const bool target = ahead->target_kind != ONBOARD_TARGET_NONE;
-    bool due = controller_planned_change_phase(x, target ? EVENT_TARGET : EVENT_NO_TARGET, now);
-    if (!target) {
+    const bool flies = target && !x->doubted;
+    bool due = controller_planned_change_phase(x, flies ? EVENT_TARGET : EVENT_NO_TARGET, now);
+    if (!flies) {
         return;
     }
     const int samples = first ? 0 : has_wheel(&model) ? SEARCH_SAMPLES : RODS_SEARCH_SAMPLES;

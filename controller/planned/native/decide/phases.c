@@ -15,6 +15,9 @@ static const double LASTING_ANGLE = 0.0087266463, LASTING_MOMENTUM = 0.6, LASTIN
 static const double STRAINED_ORBITS = 1.0; /* without a cause, until it is not */
 static const double STRAINED_LOST = 1.0;   /* rad (57 deg) */
 
+/* rad (30 deg): a torque may be half across what was meant; rad in T beyond the target's turn: more is no hold. */
+static const double DOUBTED = 0.5235987756, TURNS = 0.3;
+
 enum { ANY = 0 };
 
 /* The first row that holds is taken. */
@@ -78,6 +81,13 @@ Standing controller_planned_standing(const ControllerPlannedState *x, const Mode
         .near = !lost || (steered && left * later <= time),
         .loaded = fabs(now->l) > LASTING_MOMENTUM * x->scales.wheel_momentum || angle > LASTING_ANGLE,
     };
+}
+
+void controller_planned_doubt(ControllerPlannedState *x, double bound, double rate, double wanted)
+{
+    const bool turns = (rate - wanted) * x->scales.time > TURNS;
+    x->has_held = x->has_held || x->phase == PHASE_HOLD;
+    x->doubted = x->has_held && bound > DOUBTED && (x->doubted || turns);
 }
 
 bool controller_planned_plan_has_come(const ControllerPlannedState *x, double early)

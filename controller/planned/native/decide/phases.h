@@ -26,6 +26,10 @@ typedef enum {
     EVENT_SETTLED = 128
 } Event;
 
+/* Whether the attitude is doubted, x->doubted: `bound`, rad, on its error; the rates of the satellite and of its target,
+ * rad/s. */
+void controller_planned_doubt(ControllerPlannedState *x, double bound, double rate, double wanted);
+
 /* `search_time`, s, is how long a search takes. */
 Standing controller_planned_standing(const ControllerPlannedState *x, const Model *model, const Ahead *ahead,
                                      const Motion *now, double search_time);
