@@ -127,6 +127,8 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
     for path in files:
         say(f"  {path}")
     mass = found.number("mass", given["mass"]) if "mass" in given else None
+    if bare := found.bare(given):
+        tell([f"numbers without a unit were taken in SI units: {', '.join(bare)}"])
     tell(str(finding) for finding in findings(load(read(folder / found.flown)), mass))
 
 

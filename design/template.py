@@ -28,8 +28,9 @@ class Template:
     flown: str
     """The file that is a whole scenario."""
     values: dict[str, dict[str, Any]]
-    """By name: what it is, and a default, an example or neither, `instead` of which others do, a unit and a range; the
-    keys of the scenario that it `decides`: what is wrong with them is wrong with it."""
+    """By name: what it is, and a default, an example or neither, `instead` of which others do, a unit and a range, or
+    the unit `si` of a bare number; the keys of the scenario that it `decides`: what is wrong with them is wrong with
+    it."""
 
     def check(self, given: Mapping[str, Any]) -> None:
         """Raises InputError for a value that is unknown, missing, given twice or out of its range."""
@@ -61,6 +62,16 @@ class Template:
             raise InputError(f"--set {name}: expected {least} to {most}, found {found}")
         return number
 
+    def bare(self, given: Mapping[str, Any]) -> list[str]:
+        """Returns the given values that have numbers without a unit, each with the unit that they are taken in."""
+        found = []
+        for name, value in given.items():
+            unit = self.values[name].get("unit", self.values[name].get("si"))
+            each = value if isinstance(value, list) else [value]
+            if unit and any(_is_bare(one) for one in each):
+                found.append(f"{name} {flow(value)} {unit}")
+        return found
+
     def filled(self, name: str, values: Mapping[str, Any], texts: Mapping[str, str]) -> str:
         """Returns the text of a file with its values and texts."""
         text = (self.folder / name).read_text("utf-8")
@@ -88,6 +99,14 @@ class Template:
     def listed(self) -> list[tuple[str, str]]:
         """Returns each value's name with its default and what it is."""
         return [(name, _described(entry)) for name, entry in self.values.items()]
+
+
+def _is_bare(value: Any) -> bool:
+    """Whether a value is a number other than zero without a unit."""
+    try:
+        return bool(float(value))
+    except (TypeError, ValueError):
+        return False
 
 
 def _described(entry: Mapping[str, Any]) -> str:

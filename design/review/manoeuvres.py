@@ -59,15 +59,21 @@ def _turn(axis: int, angle: float) -> Array:
     return R
 
 
-def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, float]:
+Worst = tuple[float, str]
+"""A metric, and the flight that has it."""
+
+
+def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
     """Returns times and momenta of the slews, and the longest time until 5 deg, s."""
     judge, h_w = _signals(facts)
-    rows, longest = [], 0.0
+    rows = []
+    longest: Worst = (0.0, "")
     for angle in ANGLES:
         for axis in "xyz":
-            one = flown[f"slew-{angle}-{axis}"]
+            name = f"slew-{angle}-{axis}"
+            one = flown[name]
             within = [settling(one.time, one[judge], math.radians(level)).time for level in (5.0, 1.0)]
-            longest = max(longest, math.inf if within[0] is None else within[0])
+            longest = max(longest, (math.inf if within[0] is None else within[0], name))
             momentum = float(np.abs(one[h_w]).max())
             told = [number(t, 4) if t is not None else "not within an orbit" for t in within]
             rows.append([f"{angle} deg", axis, *told, number(1e3 * momentum), one.failure or ""])
@@ -131,17 +137,16 @@ def _place(facts: Facts, t: float) -> tuple[float, float]:
     return latitude, longitude
 
 
-def tracking(facts: Facts, flown: Mapping[str, Flown], why: str) -> tuple[Section, float]:
+def tracking(facts: Facts, flown: Mapping[str, Flown], why: str) -> tuple[Section, Worst]:
     """Returns how well the station is tracked, and the largest error, rad."""
     if why:
-        return Section("Station tracking", notes=[why]), math.nan
+        return Section("Station tracking", notes=[why]), (math.nan, "")
     one = flown["station"]
     judge, h_w = _signals(facts)
     seen = (one["supervisor.mode"] == 6) & (one["supervisor.target_elevation"] > math.radians(HORIZON))
     if one.failure or not seen.any():
-        return Section("Station tracking", notes=[one.failure or "The station was never tracked above the horizon."]), (
-            math.inf
-        )
+        why = one.failure or "The station was never tracked above the horizon."
+        return Section("Station tracking", notes=[why]), (math.inf, "station")
     error = one[judge][seen]
     rate = np.linalg.norm(one[f"{facts.plant}.omega_B"][seen], axis=1)
     rows = [
@@ -164,9 +169,8 @@ def tracking(facts: Facts, flown: Mapping[str, Flown], why: str) -> tuple[Sectio
         log=True,
     )
     note = f"A station {ASIDE:g} deg of arc beside the ground track; replay: orchestrate flights/station.yaml"
-    return Section("Station tracking", [Table("Tracking of a station", ["", "value"], rows, note)], [curves]), float(
-        error.max()
-    )
+    section = Section("Station tracking", [Table("Tracking of a station", ["", "value"], rows, note)], [curves])
+    return section, (float(error.max()), "station")
 
 
 def failing(facts: Facts) -> list[Flight]:
@@ -192,20 +196,23 @@ def failing(facts: Facts) -> list[Flight]:
     ]
 
 
-def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, float]:
+def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
     """Returns what is held after each failure and when it is found; the largest error after any of them, rad."""
     judge, h_w = _signals(facts)
     at = FAILS * facts.period
-    rows, worst = [], 0.0
+    rows = []
+    worst: Worst = (0.0, "")
     for name in ("none", *studies.failures(facts)):
-        one = flown[f"failure-{name.replace(' ', '_')}"]
+        flight = f"failure-{name.replace(' ', '_')}"
+        one = flown[flight]
         last = one.time >= (ENDS - 1.0) * facts.period
         if one.failure or not last.any():
             rows.append([name, "–", "–", "–", "–", one.failure or "too short"])
-            worst = math.inf
+            worst = (math.inf, flight)
             continue
         error = np.degrees(one[judge][last])
-        worst = max(worst, float(one[judge][last].max()) if name != "none" else 0.0)
+        if name != "none":
+            worst = max(worst, (float(one[judge][last].max()), flight))
         rms = math.sqrt(float(np.mean(error**2)))
         momentum = 1e3 * np.abs(one[h_w][last]).max()
         told = [number(float(value)) for value in (rms, error.max(), momentum)]

@@ -59,9 +59,12 @@ def section(facts: Facts, source: Source) -> Section:
         return Section("Stability margins", notes=[f"Not measured at {port}: {error}"])
     note = f"In the hold, at {port}, on an attitude that is measured to 0.01 deg: noise of sensors would hide the loop."
     found = Found.of(loaded.name, loaded.duration, response)
+    p = facts.satellite.p
+    spare = [f"{facts.plant}.wheel_torque_cmd[{i}]" for i in range(p.wheels + 1, 5)] if p.is_set else []
+    rows = [list(row) for row in found.rows() if row[0] not in spare]
     return Section(
         "Stability margins",
-        [Table("Stability margins", list(HEADER), [list(row) for row in found.rows()], note)],
+        [Table("Stability margins", list(HEADER), rows, note)],
         notes=response.warnings,
     )
 

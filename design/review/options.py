@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -80,10 +81,15 @@ def requirements(path: Path) -> tuple[tuple[Asked, ...], dict[str, float]]:
     """Returns what a file of requirements asks for, and its data of power. Raises InputError with the line."""
     source = read(path)
     data = source.data if isinstance(source.data, dict) else {}
-    listed = data.get("requirements")
+    if strange := [name for name in data if name not in ("requirements", "power")]:
+        raise InputError(source.error((strange[0],), "expected requirements or power"))
+    listed = data.get("requirements", [] if "power" in data else None)
     if not isinstance(listed, list):
         raise InputError(source.error((), "expected 'requirements', a list of entries with id, text, metric, below"))
     asked = tuple(_asked(source, i, entry) for i, entry in enumerate(listed))
+    ids = [one.id for one in asked]
+    if twice := next((i for i, name in enumerate(ids) if name in ids[:i]), None):
+        raise InputError(source.error(("requirements", twice, "id"), f"expected another id, {ids[twice]} is taken"))
     power, stated = {}, data.get("power") or {}
     if not isinstance(stated, dict):
         raise InputError(
@@ -94,12 +100,15 @@ def requirements(path: Path) -> tuple[tuple[Asked, ...], dict[str, float]]:
             raise InputError(source.error(("power", name), "expected rod, wheel or efficiency"))
         with source.naming(("power", name)):
             power[name] = value_in(value, ONE if name == "efficiency" else WATT)
+        if not 0.0 < power[name] <= (1.0 if name == "efficiency" else math.inf):
+            most = " and at most 1" if name == "efficiency" else ""
+            raise InputError(source.error(("power", name), f"expected a number above 0{most}, found {value}"))
     return asked, power
 
 
 def _asked(source: Source, i: int, entry: Any) -> Asked:
     key = ("requirements", i)
-    if not isinstance(entry, dict) or "id" not in entry or "metric" not in entry:
+    if not isinstance(entry, dict) or entry.get("id") is None or "metric" not in entry:
         raise InputError(source.error(key, "expected id, text, metric, and below or above"))
     known = {"id", "text", "metric", "below", "above", "probability", "confidence"}
     if strange := [name for name in entry if name not in known]:
@@ -115,6 +124,11 @@ def _asked(source: Source, i: int, entry: Any) -> Asked:
             value = value_in(limit, METRICS[metric][1])
         except QuantityError as error:
             raise InputError(source.error((*key, ends[0]), str(error))) from None
+        unit = METRICS[metric][1]
+        limit = f"{limit} {unit.name}" if unit != ONE and str(limit).strip().replace(".", "", 1).isdigit() else limit
+        if value <= 0.0 or (unit == RADIAN and value > math.pi):
+            most = " and at most 180 deg, which all errors are" if unit == RADIAN else ""
+            raise InputError(source.error((*key, ends[0]), f"expected a limit above 0{most}, found {limit}"))
     shares = []
     for name, default in (("probability", 0.95), ("confidence", 0.95)):
         share = entry.get(name, default)

@@ -64,7 +64,7 @@ def review(
         "slew_time": slew_time,
         "station_error": station_error,
         "error_after_failure": after_failure,
-        **factors,
+        **{name: (value, "") for name, value in factors.items()},
     }
     required, said = verify.section(options, rows, single)
     sections = [

@@ -14,13 +14,15 @@ from orchestration.quantities import Unit, with_unit
 
 from . import tumbles
 from .content import Section, Table
+from .manoeuvres import Worst
 from .options import DRAWN, METRICS, RADIAN, Asked, Options
 
 COLUMNS = ["id", "requirement", "limit", "required", "verdict", "margin", "runs, seed", "worst case", "why"]
 
 
-def section(options: Options, rows: Rows, single: Mapping[str, float]) -> tuple[Section, list[str]]:
-    """Returns a row for each requirement, and the verdicts; `single` has the metrics that one flight or none gives."""
+def section(options: Options, rows: Rows, single: Mapping[str, Worst]) -> tuple[Section, list[str]]:
+    """Returns a row for each requirement, and the verdicts; `single` has the metrics that one flight or none
+    gives, with its name."""
     if not options.requirements:
         text = "No requirements were given: --requirements FILE takes a list with id, text, metric, limit, probability."
         return Section("Requirements", notes=[text]), []
@@ -32,14 +34,14 @@ def section(options: Options, rows: Rows, single: Mapping[str, float]) -> tuple[
     return Section("Requirements", [Table("Requirements", COLUMNS, lines)], notes=notes), [row[4] for row in lines]
 
 
-def _line(one: Asked, options: Options, rows: Rows, single: Mapping[str, float]) -> list[str]:
+def _line(one: Asked, options: Options, rows: Rows, single: Mapping[str, Worst]) -> list[str]:
     required = f"{one.probability:g} at {100 * one.confidence:g}%"
     head = [one.id, one.text, f"{one.metric} {one.limit}"]
     if one.wrong:
         return [*head, required, "not verifiable", "–", "–", "–", f"{one.wrong}; metrics: {', '.join(METRICS)}"]
     study, unit, _ = METRICS[one.metric]
     if study != DRAWN:
-        return _of_one(one, head, single.get(one.metric, math.nan), study)
+        return _of_one(one, head, *single.get(one.metric, (math.nan, "")), study)
     if one.metric not in {m["name"] for m in rows.manifest["metrics"]}:
         return [*head, required, "not verifiable", "–", "–", "–", "the scenario has no estimator to judge"]
     met, count, margin = tumbles.counted(rows, one)
@@ -55,7 +57,7 @@ def _told(value: float, unit: Unit) -> str:
     return with_unit(math.degrees(value), "deg") if unit == RADIAN else with_unit(value, unit.name)
 
 
-def _of_one(one: Asked, head: list[str], value: float, study: str) -> list[str]:
+def _of_one(one: Asked, head: list[str], value: float, flight: str, study: str) -> list[str]:
     """Returns the row of a metric without an ensemble, of which no probability can be said."""
     if math.isnan(value):
         return [
@@ -74,4 +76,5 @@ def _of_one(one: Asked, head: list[str], value: float, study: str) -> list[str]:
     unit = METRICS[one.metric][1]
     shown = _told(margin, unit) if math.isfinite(margin) else "–"
     why = f"{study}: {_told(value, unit) if math.isfinite(value) else 'never'}; single flights, no probability"
-    return [*head, "–", status, shown, "1", f"flights/{study}*", why]
+    replay = f"orchestrate flights/{flight}.yaml" if flight else "–"
+    return [*head, "–", status, shown, "1" if flight else "–", replay, why]

@@ -233,6 +233,14 @@ def test_what_is_not_plausible_is_named_and_written_all_the_same(tmp_path):
     assert "in g.m2 it would fit" in result.stderr
 
 
+def test_a_goal_beyond_all_errors_is_refused_and_numbers_without_a_unit_are_named(tmp_path):
+    result = made(tmp_path / "cube", goal=5)
+    assert (result.exit_code, result.stderr) == (2, "--set goal: expected 0.0001 deg to 180 deg, found 5 (5 rad)\n")
+    said = made(tmp_path / "cube", goal=0.1, omega_B0=[0.02, "1 deg/s", 0], inertia=None, mass=4).stderr
+    assert "numbers without a unit were taken in SI units:" in said
+    assert all(one in " ".join(said.split()) for one in ("goal 0.1 rad", "mass 4 kg", "[0.02, 1 deg/s, 0] rad/s"))
+
+
 @pytest.mark.parametrize("wheels", ["one", "three axes"])
 def test_its_live_page_has_sliders_and_faults_and_its_figures_show_the_start(tmp_path, wheels):
     assert made(tmp_path / "mine", wheels=wheels).exit_code == 0

@@ -42,7 +42,7 @@ def _asked(tmp_path, text=TEXT):
 def test_verdicts_have_margin_worst_case_and_reason(tmp_path):
     asked, power = _asked(tmp_path)
     assert power == {"rod": pytest.approx(0.2), "efficiency": 0.7}
-    section, said = verify.section(Options(requirements=asked, seed=3), Rows(), {"momentum_margin": 6.9})
+    section, said = verify.section(Options(requirements=asked, seed=3), Rows(), {"momentum_margin": (6.9, "")})
     rows = {row[0]: dict(zip(verify.COLUMNS, row, strict=True)) for row in section.tables[0].rows}
     assert said == ["undecided", "met", "not verifiable", "met", "not verifiable"]
     low = beta.ppf(0.05, 35, 6)  # 35 of 40 runs settle within 1800 s: the lower bound at 95 %
@@ -63,6 +63,10 @@ def test_verdicts_have_margin_worst_case_and_reason(tmp_path):
         ("{id: R, metric: settling_time, below: 3 s, probability: 2}", "above 0 and below 1"),
         ("{id: R, metric: settling_time, under: 3 s}", "expected one of above, below"),
         ("{metric: settling_time, below: 3 s}", "expected id, text, metric"),
+        ("{id: , metric: settling_time, below: 3 s}", "expected id, text, metric"),
+        ("{id: R, metric: absolute_error, below: 15}", "at most 180 deg, which all errors are, found 15 rad"),
+        ("{id: R, metric: settling_time, below: -3 s}", "expected a limit above 0, found -3 s"),
+        ("{id: R, metric: slew_time, below: 3 s}\n  - {id: R, metric: slew_time, below: 4 s}", "R is taken"),
     ],
 )
 def test_a_wrong_requirement_is_told_with_its_line(tmp_path, entry, expected):
@@ -70,6 +74,27 @@ def test_a_wrong_requirement_is_told_with_its_line(tmp_path, entry, expected):
         _asked(tmp_path, f"requirements:\n  - {entry}\n")
 
 
-def test_power_that_is_no_mapping_is_told_with_its_line(tmp_path):
-    with pytest.raises(InputError, match=r"asked\.yaml:2.*expected rod, wheel or efficiency"):
-        _asked(tmp_path, "requirements: []\npower: 3")
+@pytest.mark.parametrize(
+    ("power", "expected"),
+    [
+        ("power: 3", "expected rod, wheel or efficiency"),
+        ("power: {rod: -1 W}", "expected a number above 0, found -1 W"),
+        ("power: {efficiency: 70}", "expected a number above 0 and at most 1, found 70"),
+        ("powr: {rod: 1 W}", "expected requirements or power"),
+    ],
+)
+def test_wrong_data_of_power_are_told_with_their_line(tmp_path, power, expected):
+    with pytest.raises(InputError, match=rf"asked\.yaml:2.*{expected}"):
+        _asked(tmp_path, f"requirements: []\n{power}")
+
+
+def test_data_of_power_need_no_requirements_and_a_number_is_shown_with_its_unit(tmp_path):
+    assert _asked(tmp_path, "power: {rod: 0.2 W}") == ((), {"rod": pytest.approx(0.2)})
+    (asked,), _ = _asked(tmp_path, "requirements: [{id: R, metric: slew_time, below: 30}]")
+    assert asked.limit == "below 30 s"
+
+
+def test_the_worst_of_single_flights_has_the_command_that_flies_it(tmp_path):
+    asked, _ = _asked(tmp_path, "requirements: [{id: R, metric: slew_time, below: 30 s}]")
+    section, said = verify.section(Options(requirements=asked), Rows(), {"slew_time": (90.0, "slew-180-x")})
+    assert (said, section.tables[0].rows[0][7]) == (["not met"], "orchestrate flights/slew-180-x.yaml")
