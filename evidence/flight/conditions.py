@@ -48,7 +48,10 @@ def told(flights: Flights, group: str) -> str:
     return f"{len(times)} ({', '.join(f'`{name}`' for name in names)}), {np.median(times):.0f} s, {times.max():.0f} s"
 
 
-def pairings(flights: Flights) -> list[list[str]]:
-    """A row for each of PAIRINGS."""
+def pairings(flights: Flights) -> str:
+    """Returns when each of PAIRINGS settles."""
     flown = {name: flights.of(f"{law} + {allocator}")[0] for (law, allocator), name in PAIRINGS.items()}
-    return [[name, orbits(float(line["settled_5deg_s"] or "inf") / ORBIT)] for name, line in flown.items()]
+    times = {name: orbits(float(line["settled_5deg_s"] or "inf") / ORBIT) for name, line in flown.items()}
+    return "; ".join(
+        f"{time} orbit with {name}" if time[0].isdigit() else f"{time} with {name}" for name, time in times.items()
+    )
