@@ -52,6 +52,4 @@ def pairings(flights: Flights) -> str:
     """Returns when each of PAIRINGS settles."""
     flown = {name: flights.of(f"{law} + {allocator}")[0] for (law, allocator), name in PAIRINGS.items()}
     times = {name: orbits(float(line["settled_5deg_s"] or "inf") / ORBIT) for name, line in flown.items()}
-    return "; ".join(
-        f"{time} orbit with {name}" if time[0].isdigit() else f"{time} with {name}" for name, time in times.items()
-    )
+    return "; ".join(f"{name}: {time}" for name, time in times.items())

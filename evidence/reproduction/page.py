@@ -103,8 +103,4 @@ def _open(done: dict[str, Any]) -> dict[str, Any]:
             kept.append(f"{constant.name} ({tried}{f' {constant.unit}' if constant.unit else ''})")
         else:
             rows.append([constant.name, constant.taken, tried, *ranges])
-    shares = []
-    for key, of in (("node and K0", "node longitude and K₀'s scale"), ("K0 and L0", "K₀'s and L₀'s scale")):
-        b, c = (all_hold(w, done[f"{w}: {key}"]) for w in CLAIMS)
-        shares.append({"of": of} | {k: f"{100.0 * m.mean():.1f}%" for k, m in (("vb", b), ("vc", c), ("both", b & c))})
-    return {"open": rows, "kept": ", ".join(kept), "shares": shares}
+    return {"open": rows, "kept": ", ".join(kept)}
