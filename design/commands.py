@@ -15,7 +15,7 @@ from rich.table import Table
 from orchestration import load as load_scenario
 from orchestration.cli.console import say
 from orchestration.cli.help import examples
-from orchestration.cli.options import quantity
+from orchestration.cli.options import Between, quantity
 from orchestration.cli.overrides import overridden
 from orchestration.quantities import SECOND, Unit, parse_unit
 from orchestration.session.read import read as read_source
@@ -98,7 +98,9 @@ def momentum_bound(
     metavar="T",
     help="Torque that the actuators give, instead of what rods and wheel give; in N.m or with a unit.",
 )
-@click.option("--damping", type=float, help="Damping ratio, instead of the one with the least torque.")
+@click.option(
+    "--damping", type=Between(0.0, min_open=True), help="Damping ratio, instead of the one with the least torque."
+)
 @click.option(
     "--schedule",
     type=click.Choice(["constant", "error"]),

@@ -18,8 +18,10 @@ from orchestration import InputError
 from orchestration import load as load_scenario
 from orchestration.cli.console import say, say_table
 from orchestration.cli.help import examples
-from orchestration.errors import BlockError
+from orchestration.cli.options import Between
+from orchestration.errors import BlockError, writing
 from orchestration.results.settling import settling
+from orchestration.results.whole import putting
 from orchestration.scenario.source import Source
 from orchestration.session.read import read
 from orchestration.session.run import whole
@@ -140,10 +142,22 @@ def _compared(entry: Mapping[str, Any]) -> dict[str, Path]:
 @click.option("--scenario", required=True, type=click.Path(path_type=Path), metavar="FILE", help="The loop to fly in.")
 @click.option("--place", default="controller", show_default=True, help="The block in whose place the laws stand.")
 @click.option("--runs", default=5, show_default=True, type=click.IntRange(1), help="Tumbles that each law flies.")
-@click.option("--rate", default=4.0, show_default=True, help="Size of the body rate at the start, deg/s.")
-@click.option("--below", default=15.0, show_default=True, help="Error below which a flight is settled for good, deg.")
+@click.option(
+    "--rate",
+    default=4.0,
+    show_default=True,
+    type=Between(0.0, 500.0),
+    help="Size of the body rate at the start, deg/s.",
+)
+@click.option(
+    "--below",
+    default=15.0,
+    show_default=True,
+    type=Between(0.0, 181.0, min_open=True),
+    help="Error below which a flight is settled for good, deg.",
+)
 @click.option("--duration", metavar="T", help="Of each flight, instead of the scenario's.")
-@click.option("--seed", default=1, show_default=True, help="Of the tumbles.")
+@click.option("--seed", default=1, show_default=True, type=click.IntRange(0), help="Of the tumbles.")
 @click.option("--alone", is_flag=True, help="Only these laws, without those to compare with.")
 @click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write the table to this CSV file.")
 def command(
@@ -173,9 +187,12 @@ def command(
     source = source.with_entry(("record",), {"interval": "2 s", "signals": [ERROR, WHEELS]})
     if duration is not None:
         source = source.with_value("duration", duration, "--duration")
-    flown: dict[str, Path | None] = {law.stem: law for law in laws}
-    if not alone:
-        flown |= {OWN: None, **_compared(source.data["blocks"][place])}
+    flown: dict[str, Path | None] = {} if alone else {OWN: None, **_compared(source.data["blocks"][place])}
+    for law in laws:
+        if law.stem in flown:
+            which = "a law to compare with, unless --alone is given" if law.stem in COMPARED else str(flown[law.stem])
+            raise InputError(f"{law}: the name {law.stem!r} is that of {which}; remedy: another name of the file")
+        flown[law.stem] = law
     rows = ranked(source, flown, tumbles(runs, math.radians(rate), seed), math.radians(below), place)
     say_table(
         ("law", "settled", "median, s", "worst, s", "rms after, deg", "largest after, deg", "wheel, N.m.s"),
@@ -193,7 +210,7 @@ def command(
         ],
     )
     if out is not None:
-        with out.open("w", newline="", encoding="utf-8") as file:
+        with writing(out), putting(out) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, list(asdict(rows[0])))
             writer.writeheader()
             writer.writerows(map(asdict, rows))

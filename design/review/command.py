@@ -10,7 +10,7 @@ import click
 from orchestration import InputError
 from orchestration.cli.console import Progress, open_page, say, say_table
 from orchestration.cli.help import examples
-from orchestration.cli.options import OPEN, QUIET, out_folder, quantity
+from orchestration.cli.options import OPEN, QUIET, Between, out_folder, quantity
 from orchestration.cli.status import EXPECTATION_FAILED, SIGNALLED
 from orchestration.quantities import SECOND, parse_unit
 from orchestration.results.place import check_writable
@@ -62,7 +62,7 @@ class Bar:
 @click.option("--runs", default=100, show_default=True, type=click.IntRange(1), help="Tumbles.")
 @click.option("--members", default=20, show_default=True, type=click.IntRange(1), help="Holds of the pointing budget.")
 @click.option("--seed", default=1, show_default=True, help="Of all draws.")
-@click.option("--confidence", default=0.95, show_default=True, type=click.FloatRange(0.0, 1.0, True, True),
+@click.option("--confidence", default=0.95, show_default=True, type=Between(0.0, 1.0, True, True),
               help="Of the statistics of the budget.")  # fmt: skip
 @click.option(
     "--window", default="60 s", show_default=True, metavar="T", help="Over which mean and relative error count."

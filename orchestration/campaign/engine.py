@@ -70,8 +70,7 @@ def fly(
     with reserved(folder), ExitStack() as stack:
         flight = _Campaign(case, folder, partial(crew, case.job, workers, scheduler, dashboard), stack, tell, remark)
         flight.fly()
-    page = _page(folder, remark)
-    return replace(flight.finished, page=page)
+    return replace(flight.finished, page=page(folder, remark))
 
 
 class _Campaign:
@@ -180,7 +179,7 @@ def verdicts_of_first(case: Case, data: Any, count: int, announced: Announced) -
     return [replace(v, text=f"{v.text}; every run failed, the first with: {data.reason}") for v in said]
 
 
-def _page(folder: Path, remark: Callable[[str], None]) -> Path | None:
+def page(folder: Path, remark: Callable[[str], None]) -> Path | None:
     """Returns the report page. Where it cannot be written, the results stand without it."""
     try:
         return report.write(folder)

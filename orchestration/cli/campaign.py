@@ -14,7 +14,7 @@ from ..campaign import engine
 from ..campaign.case import Case, read_campaign
 from ..campaign.flying import batches
 from ..campaign.replay import Replayed, replay, worst
-from ..campaign.report.page import metrics_of, write
+from ..campaign.report.page import metrics_of
 from ..campaign.report.plots import Metric
 from ..campaign.sums import read
 from ..errors import InputError
@@ -158,7 +158,7 @@ def _replay(case: Case, index: str, target: Path, quiet: bool, open_: bool) -> i
     if not quiet:
         say(f"\nscenario in {again.file}, results in {folder}")
     if (target / "campaign.html").exists():
-        write(target)  # whose plots lead to this flight
+        engine.page(target, _note)  # whose plots lead to this flight
     if open_:
         open_page(folder / "report.html")
     if result.failure is not None:

@@ -39,6 +39,16 @@ FLAVOUR = click.option(
 )
 
 
+class Between(click.FloatRange):
+    """A finite number in a range; `click.FloatRange` takes NaN, with which no comparison fails or holds."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"{value} is no finite number.", param, ctx)
+        return number
+
+
 class _Factor(click.ParamType):
     """The factor of --realtime is a number or `off`; what else follows was most likely meant as the scenario."""
 

@@ -12,6 +12,7 @@ import click
 from ..instances.record.play import play
 from .console import complain, say
 from .help import examples
+from .options import Between
 from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED
 
@@ -28,7 +29,7 @@ from .status import BLOCK_FAILED, EXPECTATION_FAILED
 @click.option("--fmu", type=PATH, metavar="FILE", help="Another FMU than the one beside the record.")
 @click.option(
     "--tolerance",
-    type=click.FloatRange(0.0),
+    type=Between(0.0),
     default=0.0,
     show_default=True,
     help="What a number may differ by, as a share of the largest value of its port so far.",

@@ -76,7 +76,7 @@ def instants(cells: Sequence[str], factor: float, epoch: float, scale: str) -> t
     place of the first cell that is none, and why.
     """
     try:
-        return _finite(tai(factor * np.array([float(cell) for cell in cells]) + epoch, scale))
+        return _finite(tai(factor * np.array([number(cell) for cell in cells]) + epoch, scale))
     except ValueError:
         seconds, more = np.full((2, len(cells)), np.nan)
     for i, cell in enumerate(cells):
@@ -92,8 +92,15 @@ def _finite(times: Floats) -> tuple[Floats, int | None, str]:
     return times, (int(bad[0]) if len(bad) else None), "expected a finite time"
 
 
+def number(cell: str) -> float:
+    """Returns the number in a cell. Raises ValueError; Python alone reads `1_0` as 10."""
+    if "_" in cell:
+        raise ValueError(cell)
+    return float(cell)
+
+
 def _number(cell: str, factor: float, epoch: float) -> tuple[float, float] | None:
     try:
-        return factor * float(cell) + epoch, 0.0
+        return factor * number(cell) + epoch, 0.0
     except ValueError:
         return None

@@ -6,6 +6,7 @@ Tests: tests/orchestration/telemetry/test_record.py.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from ..errors import InputError, Place, Problem
 from ..quantities import QuantityError, parse_unit
 from ..scenario.telemetry import Column
 from .rows import Block, Header
+from .times import number
 
 Floats = NDArray[np.float64]
 
@@ -100,20 +102,18 @@ def corrected(raw: Floats, column: Column, times: Floats) -> Floats:
 
 
 def _floats(block: Block, cells: Sequence[str], name: str) -> Floats:
-    try:
-        return np.array([float(cell) if cell else np.nan for cell in cells])
-    except ValueError:
-        pass
+    with suppress(ValueError):
+        return np.array([number(cell) if cell else np.nan for cell in cells])
     for row, cell in enumerate(cells):
         if cell.strip() and not are_numbers([cell]):
             comma = ", whose comma has to be a point" if are_numbers([cell.replace(",", ".")]) else ""
             raise block.error(row, name, f"expected a number, found {cell!r}{comma}")
-    return np.array([float(cell) if cell.strip() else np.nan for cell in cells])
+    return np.array([number(cell) if cell.strip() else np.nan for cell in cells])
 
 
 def are_numbers(cells: Sequence[str]) -> bool:
     try:
-        [float(cell) for cell in cells]
+        [number(cell) for cell in cells]
     except ValueError:
         return False
     return True

@@ -120,3 +120,27 @@ def test_laws_that_give_a_torque_are_left_out_where_actuators_are_commanded(tmp_
     assert result.exit_code == 0, result.stderr
     assert "bdot, pd, unloading, lqr, paper are left out" in result.stderr
     assert [name in result.stdout for name in ("rest", rank.OWN, "bdot")] == [True, True, False]
+
+
+@pytest.mark.parametrize(
+    ("names", "told"),
+    [
+        (("a/law.py", "b/law.py"), "b/law.py: the name 'law' is that of "),
+        (("a/pd.py",), "a/pd.py: the name 'pd' is that of a law to compare with, unless --alone is given"),
+    ],
+)
+def test_no_law_is_flown_in_the_name_of_another(tmp_path, names, told):
+    for name in names:
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text("def step(i, p, t, h):\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
+    result = orchestrate("rank", *(tmp_path / name for name in names), "--scenario", SCENARIO)
+    assert (result.exit_code, told in result.stderr) == (2, True), result.stderr
+
+
+@pytest.mark.parametrize(
+    "option", [("--seed", -1), ("--rate", -1), ("--rate", "nan"), ("--below", 0), ("--below", "nan")]
+)
+def test_an_option_out_of_range_is_refused(tmp_path, option):
+    (tmp_path / "law.py").write_text("")
+    result = orchestrate("rank", tmp_path / "law.py", "--scenario", SCENARIO, *option)
+    assert (result.exit_code, f"Invalid value for '{option[0]}'" in result.stderr) == (2, True), result.stderr

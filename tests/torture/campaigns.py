@@ -45,6 +45,7 @@ def command(runs: int, kills: int, seed: int) -> None:
         errors += _workers(folder)
         errors += _deadly(folder)
         errors += _killed_workers(folder, kills, choose)
+        errors += _killed_starting_workers(folder, kills, choose)
         errors += _killed_clients(folder, kills, choose)
         errors += _memory(folder, runs)
     sys.exit(1 if errors else 0)
@@ -121,6 +122,33 @@ def _killed_workers(folder: Path, kills: int, choose: random.Random) -> int:
     failed = sum(row["status"] == "failed" for row in _rows(folder / "workers"))
     click.echo(f"{killed} workers killed during 20000 runs: {wrong} rows wrong, {failed} failed")
     return wrong + failed + int(killed == 0 < kills)
+
+
+def _killed_starting_workers(folder: Path, kills: int, choose: random.Random) -> int:
+    """Workers are killed while they start: the campaign is flown, or says that it lost them and is flown by the next
+    call. No input is called wrong."""
+    errors = killed = 0
+    for number in range(kills):
+        out = folder / f"starting{number}"
+        process = _start(folder, "--workers", 2, "--runs", 40, "--out", out)
+        begun, wait = time.monotonic(), choose.uniform(0.0, 2.0)
+        while process.poll() is None and not (children := _children(process)) and time.monotonic() - begun < 60.0:
+            time.sleep(0.02)
+        time.sleep(wait)
+        if process.poll() is None and children and not list((out / "runs").glob("*.parquet")):
+            with suppress(psutil.Error):
+                choose.choice(children).kill()
+                killed += 1
+        said, _ = process.communicate()
+        if process.returncode not in (0, 1):
+            lost = process.returncode not in (2, 70) and "the workers are lost" in said
+            errors += not lost
+            click.echo(f"  status {process.returncode}: {said[-300:]}")
+            again = _start(folder, "--workers", 2, "--runs", 40, "--out", out)
+            again.communicate()
+        errors += _wrong(_rows(out), 40)
+    click.echo(f"{killed} workers killed while they started: {errors} errors")
+    return errors
 
 
 def _children(process: subprocess.Popen[str]) -> list[psutil.Process]:

@@ -126,8 +126,9 @@ def test_a_refusal_has_its_code_and_says_why(request_, code, text):
     assert (answer.type, answer.payload[0], answer.payload[1:].startswith(text)) == (device.REFUSED, code, True)
 
 
-def test_a_device_that_has_just_begun_says_that_it_knows_nothing():
-    answer = next(Reader(200).feed(lamp().receive(frame(device.STEP, 7, 9, b""))))
+@pytest.mark.parametrize("asked", [device.STEP, device.START, device.PARAMETERS])
+def test_a_device_that_has_just_begun_says_that_it_knows_nothing(asked):
+    answer = next(Reader(200).feed(lamp().receive(frame(asked, 7, 9, b""))))
     assert (answer.type, answer.session, answer.sequence, answer.payload[0]) == (
         device.REFUSED,
         7,

@@ -158,6 +158,9 @@ def test_a_pipe_or_a_device_among_results_is_refused_by_name_and_nobody_waits(to
     (flown / "replay-0").mkdir()
     os.mkfifo(flown / "replay-0" / "scenario.yaml")
     assert orchestrate(*campaign, "--replay", "0").exit_code in (2, 4)
+    (flown / "replay-0" / "scenario.yaml").unlink()
+    (flown / "campaign.html").mkdir()
+    assert orchestrate(*campaign, "--replay", "0").exit_code in (0, 1)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")

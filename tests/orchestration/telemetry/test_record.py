@@ -97,6 +97,8 @@ def test_rows_of_one_instant_in_two_blocks_are_one_sample(tmp_path, monkeypatch)
         ("a,x,y\n0,1,2\n", {}, "log.csv:1: there is no column 't'"),
         ("t|x|y\n0|1|2\n", {}, "there is only t|x|y; remedy: cells that commas, semicolons or tabs part"),
         ("t;x;y\n0;1,5;2\n", {}, "log.csv:2: x: expected a number, found '1,5', whose comma has to be a point"),
+        ("t,x,y\n0,1_0,2\n", {}, "log.csv:2: x: expected a number, found '1_0'"),
+        ("t,x,y\n1_0,1,2\n", {}, "log.csv:2: t: expected a number, found '1_0'"),
         ("t,x,y\n9,1,2\n0,1,2\n1,1,2\n", {}, "log.csv:3: 2 rows are older than one before them, more than the 1"),
         ('t,x,y\n0,"1,2\n' + "1,1,2\n" * 50_000, {}, "this is no CSV file: field larger than field limit"),
         ("t,x,y\n,1,2\n", {}, "log.csv:2: t: expected a number, found ''"),
