@@ -216,7 +216,8 @@ def described(path: Path, head: Head, lenient: bool) -> tuple[Any, Model, list[s
 def _unreadable(path: Path, problems: list[str], error: Exception) -> InputError:
     if problems:
         return _not_valid(path, problems)
-    return InputError(f"{shown(path)}: modelDescription.xml cannot be read: {line(error)}")
+    why = f"it names {error} and does not define it" if isinstance(error, KeyError) else line(error)  # a unit, a type
+    return InputError(f"{shown(path)}: modelDescription.xml cannot be read: {why}")
 
 
 def _not_valid(path: Path, problems: list[str]) -> InputError:

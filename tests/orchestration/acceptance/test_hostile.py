@@ -139,3 +139,9 @@ def test_no_escape_sequence_of_a_vendor_reaches_the_terminal(here: Path) -> None
         assert "2Jprobe" in output
         assert "\x9b" not in output
         assert "\x1b]" not in output
+
+
+def test_a_unit_that_is_not_defined_is_named(here: Path) -> None:
+    rewritten('<Real unit="V"/>', '<Real unit="zz"/>')
+    told = "regulator.fmu: modelDescription.xml cannot be read: it names 'zz' and does not define it"
+    assert told in check().stderr
