@@ -17,8 +17,8 @@ from orchestration.cli.console import notes as tell
 from orchestration.cli.console import say
 from orchestration.cli.help import examples
 from orchestration.cli.overrides import settings
-from orchestration.errors import BlockError, ResultsError, writing
-from orchestration.results.whole import put
+from orchestration.errors import BlockError, ResultsError, reason, writing
+from orchestration.results.whole import content, put
 from orchestration.scenario.text import parse
 from orchestration.session.open import open_scenario
 from orchestration.session.read import load, read
@@ -141,7 +141,10 @@ def _sensors(name: str) -> tuple[str, dict[str, str]]:
     path = Path(name).expanduser()
     if not path.is_file():
         raise InputError(f"--set sensors: expected {', '.join(PARTS)} or the path of a file, found {name!r}")
-    return "sensors_own.yaml", {"own.yaml": path.read_text("utf-8")}
+    try:
+        return "sensors_own.yaml", {"own.yaml": content(path).decode("utf-8")}
+    except (OSError, ValueError) as error:
+        raise InputError(f"--set sensors: {path} cannot be read: {reason(error)}") from None
 
 
 @contextmanager

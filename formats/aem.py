@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from orchestration.errors import InputError, Place, Problem, reason
+from orchestration.results.whole import content
 from orchestration.rotation import quaternions
 
 from .frames import named
@@ -26,11 +27,9 @@ _KEPT = ("QUATERNION", "QUATERNION/ANGVEL", "QUATERNION/DERIVATIVE", "QUATERNION
 def is_aem(path: Path) -> bool:
     """Returns whether a file begins as an AEM does."""
     try:
-        with path.open("rb") as file:
-            head = file.read(2000)
-    except OSError:
+        return b"CCSDS_AEM_VERS" in content(path)[:2000]
+    except (OSError, ValueError):
         return False
-    return b"CCSDS_AEM_VERS" in head
 
 
 def read(path: Path, epoch: str | None = None) -> Motion:
@@ -40,9 +39,11 @@ def read(path: Path, epoch: str | None = None) -> Motion:
     """
     place = str(path)
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        text = content(path).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(Problem(expected="a CCSDS AEM", found="text that is not UTF-8", place=Place(place))) from None
     except (OSError, ValueError) as error:
-        why = reason(error) if isinstance(error, OSError) else "text that is not UTF-8"
+        why = reason(error) if isinstance(error, OSError) else str(error)
         raise InputError(Problem(expected="a CCSDS AEM", found=why, place=Place(place))) from None
     version, segments = _xml(text, place) if text.lstrip().startswith("<") else _kvn(text, place)
     parts = [_attitude(version, segment, place) for segment in segments]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from sgp4.api import SGP4_ERRORS, Satrec, SatrecArray
 
 from orchestration.errors import InputError, Place, Problem, reason
+from orchestration.results.whole import content
 from orchestration.scenario.orbit import Ephemeris
 from plant import sun
 from plant.geomagnetic import Field
@@ -104,9 +105,10 @@ def borders(orbit: Orbit) -> Floats:
 def read_elements(path: Path) -> list[Satrec]:
     """Returns the element sets of a file of two-line elements, names between them or not. Raises InputError."""
     try:
-        lines = path.read_text("utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} cannot be read: {reason(error)}") from None
+        lines = content(path).decode("utf-8").splitlines()
+    except (OSError, ValueError) as error:
+        why = reason(error) if isinstance(error, (OSError, UnicodeDecodeError)) else error
+        raise InputError(f"{path} cannot be read: {why}") from None
     sets = []
     for number, line in enumerate(lines, start=1):
         if not line.startswith("1 "):

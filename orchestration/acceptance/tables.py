@@ -96,6 +96,8 @@ def parameters_of(model: Model, folder: Path, left_out: Container[str] = ()) -> 
 
 def _lines(path: Path, expected: str) -> Lines:
     """Returns at least one line. Raises InputError."""
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: it is no regular file; expected {expected}")
     try:
         text = path.read_text("utf-8")
     except OSError as error:

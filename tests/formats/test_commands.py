@@ -1,5 +1,6 @@
 """`orchestrate convert` on a run of the project's own blocks, and what it refuses."""
 
+import os
 import tomllib
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -9,9 +10,11 @@ import pytest
 from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
 
+from formats import aem
 from formats.convert import convert as write
 from formats.recorded import Recorded, recorded
-from orchestration import run
+from inflight.orbit import read_elements
+from orchestration import InputError, run
 from orchestration.cli import main as orchestrate
 
 GROUP = "orchestrate.commands"
@@ -151,3 +154,14 @@ def test_what_is_not_finite_or_has_another_unit_is_refused_and_the_runs_own_file
     assert "plant.R_NB" in told.stderr
     assert f"at {float(row[0]):.10g} s" in told.stderr
     assert not (tmp_path / "a.aem").exists()
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")
+def test_a_device_or_a_pipe_is_no_ephemeris_and_nobody_waits(tmp_path):
+    os.mkfifo(tmp_path / "pipe.aem")
+    for path in ("/dev/zero", tmp_path / "pipe.aem"):
+        assert not aem.is_aem(Path(path))
+        with pytest.raises(InputError, match=r"expected a CCSDS AEM, found .* is no regular file"):
+            aem.read(Path(path))
+        with pytest.raises(InputError, match="is no regular file"):
+            read_elements(Path(path))

@@ -106,6 +106,8 @@ def _played(command: Sequence[str], work: Path, path: Path) -> Played:
 
 def _head(record: Path) -> dict[str, str]:
     """Returns what a record says of its FMU, but for the variables."""
+    if record.exists() and not record.is_file():
+        raise InputError(f"{record}: expected a record of calls, found no regular file")
     try:
         with record.open("rb") as file:
             lines = [line.decode("utf-8", "replace").rstrip("\n") for line in _until_empty(file)]

@@ -7,6 +7,7 @@ Requirement: RC-1. Tests: tests/orchestration/instances/record/test_play.py.
 from __future__ import annotations
 
 import ctypes as c
+import errno
 import mmap
 import struct
 from collections.abc import Iterator
@@ -191,10 +192,14 @@ def complete(record: Path) -> None:
     if not tail.exists():
         return
     data = tail.read_bytes()
-    windows = [data[at : at + len(data) // _WINDOWS] for at in range(0, len(data), len(data) // _WINDOWS)]
+    size = len(data) // _WINDOWS
+    windows = [data[i * size : (i + 1) * size] for i in range(_WINDOWS) if size > _OFFSET.size]  # none: it ended before
+    end = record.stat().st_size + len(data)
     with record.open("r+b") as file:
         for window in sorted(windows, key=_OFFSET.unpack_from):
             if (at := _OFFSET.unpack_from(window)[0]) > 0:
+                if at > end:
+                    raise OSError(errno.EINVAL, "the record is damaged", str(tail))
                 file.seek(at)
                 file.write(window[_OFFSET.size :])
     tail.unlink()

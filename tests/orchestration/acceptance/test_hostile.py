@@ -141,7 +141,12 @@ def test_no_escape_sequence_of_a_vendor_reaches_the_terminal(here: Path) -> None
         assert "\x1b]" not in output
 
 
-def test_a_unit_that_is_not_defined_is_named(here: Path) -> None:
-    rewritten('<Real unit="V"/>', '<Real unit="zz"/>')
-    told = "regulator.fmu: modelDescription.xml cannot be read: it names 'zz' and does not define it"
-    assert told in check().stderr
+def test_a_unit_that_is_not_defined_but_has_a_display_unit_is_named(here: Path) -> None:
+    xml = fmus.description("regulator")
+    defined = '<Unit name="V"><BaseUnit/><DisplayUnit name="kV" factor="0.001"/></Unit>'
+    xml = xml.replace("<UnitDefinitions>", f"<UnitDefinitions>{defined}").replace(
+        '<Real unit="V"/>', '<Real unit="zz" displayUnit="kV"/>'
+    )
+    fmus.write(Path("regulator.fmu"), xml, fmus.library())
+    result = check()
+    assert "regulator.fmu: modelDescription.xml cannot be read: it names 'zz' and does not define it" in result.stderr

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import struct
 import subprocess
 import zipfile
 from pathlib import Path
@@ -147,3 +148,20 @@ def test_what_cannot_be_recorded_or_played_is_refused(loop: Path):
         archive.writestr("resources/more", "")
     with pytest.raises(InputError, match="has another hash"):
         play(record)
+
+
+@pytest.mark.parametrize(
+    ("tail", "words"),
+    [(b"", ""), (b"\0" * 30, ""), (struct.pack("<Q", 2**62) + b"\0" * 24, "the record is damaged")],
+)
+def test_a_tail_that_a_kill_cut_short_is_left_out_and_a_damaged_one_is_told(loop: Path, tail: bytes, words: str):
+    record = recorded(loop)
+    size = record.stat().st_size
+    record.with_suffix(".tail").write_bytes(tail * (4 if words else 1))
+    if words:
+        with pytest.raises(InputError, match=words):
+            play(record)
+    else:
+        assert play(record).same
+        assert not record.with_suffix(".tail").exists()
+    assert record.stat().st_size == size
