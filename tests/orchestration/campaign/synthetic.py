@@ -111,6 +111,8 @@ def write(
         "description": "Detumbling from any attitude, with the wheel anywhere and an inertia known to 5%.",
         "state": "stopped early" if early else "completed",
         "fingerprint": "0" * 64,
+        "parts": {},
+        "announced": {"runs": runs, "early": early},
         "seed": seed,
         "sampling": "random",
         "runs": {"wanted": runs, "flown": runs, "failed": int(failed.sum())},
