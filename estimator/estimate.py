@@ -22,6 +22,8 @@ from .state import NO_MATRIX, ZERO, Estimate, Given, Measured
 
 LIGHT_MIN = 0.5
 """Of the Sun that must be seen for its direction to count."""
+FIELD_LASTS = 300.0
+"""s, for which the last field is one still: its direction in N turns by 36 deg."""
 
 
 def advanced(
@@ -49,9 +51,7 @@ def advanced(
     variance = p.field_noise * p.field_noise + p.rod_field_error * p.rod_field_error * float(rods @ rods)
     if banked is not None:
         x = by_bank(x, banked, new, Seen(b_B, variance, sun_B, field_N, sun_N, sunlight), p, h)
-        return replace(
-            x, R=orthonormalised(x.R), b_B=_field_now(x, b_B if x.watch[FIELD].trusted else None, field_N, h)
-        )
+        return _with_field(replace(x, R=orthonormalised(x.R)), b_B if x.watch[FIELD].trusted else None, field_N, h)
     if not x.tracking:
         x = started(x, new, sun_B, b_B, sun_N, field_N, math.sqrt(variance), p)
     x = compared(x, new.R_NB, sun_B, b_B, sun_N, field_N, variance, p)
@@ -65,7 +65,7 @@ def advanced(
         if found is not None:
             x = x.watched(sensor, replace(x.watch[sensor], since=0.0))
     b_B = b_B if x.watch[FIELD].trusted else None
-    return replace(x, R=orthonormalised(x.R), b_B=_field_now(x, b_B, field_N, h))
+    return _with_field(replace(x, R=orthonormalised(x.R)), b_B, field_N, h)
 
 
 def _forward(x: Estimate, measured: Array | None, field_N: Array, given: Given, p: Parameters, h: float) -> Estimate:
@@ -90,11 +90,15 @@ def _noticed(x: Estimate, new: Measured, sun_B: Array | None, h: float) -> Estim
     return x
 
 
-def _field_now(x: Estimate, b_B: Array | None, field_N: Array, h: float) -> Array:
-    """The field to give out: the measured one, else the model's, else the last one, which the body turns under."""
+def _with_field(x: Estimate, b_B: Array | None, field_N: Array, h: float) -> Estimate:
+    """With the field to give out: the measured one, else the model's, else the last one, which the body turns under;
+    none where that is too old."""
+    age = x.b_age + h
     if b_B is not None:
-        return b_B - x.field_bias
-    return x.R.T @ field_N if x.known else exp(-h * x.omega_B) @ x.b_B
+        return replace(x, b_B=b_B - x.field_bias, b_age=0.0)
+    if x.known:
+        return replace(x, b_B=x.R.T @ field_N, b_age=age)
+    return replace(x, b_B=ZERO if age > FIELD_LASTS else exp(-h * x.omega_B) @ x.b_B, b_age=age)
 
 
 def _by_gyro(x: Estimate, measured: Array | None, p: Parameters, h: float) -> Estimate:

@@ -65,6 +65,8 @@ class Estimate:
     momentum: float
     """Wheel momentum, N m s."""
     b_B: Array
+    b_age: float
+    """s since it was measured."""
     anchored: bool
     """There is an earlier field, for a start without the Sun."""
     anchor_B: Array
@@ -140,6 +142,7 @@ def blank(omega_B: Array, p: Parameters) -> Estimate:
         since_orbit=0.0,
         momentum=0.0,
         b_B=ZERO,
+        b_age=0.0,
         anchored=False,
         anchor_B=ZERO,
         anchor_N=ZERO,

@@ -8,8 +8,9 @@
 
 static const double PI = 3.14159265358979323846;
 static const Matrix ZERO = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-static const double LIGHT_MIN = 0.5;  /* of the Sun that must be seen for its direction to count */
-static const double TORQUE_OFF = 1.0; /* s^(1/2): the momentum's walk, over torques that are not exactly known */
+static const double LIGHT_MIN = 0.5;     /* of the Sun that must be seen for its direction to count */
+static const double FIELD_LASTS = 300.0; /* s, for which the last field is one still: it turns by 36 deg in N */
+static const double TORQUE_OFF = 1.0;    /* s^(1/2): the momentum's walk, over torques that are not exactly known */
 
 static bool is_zero(const double v[3])
 {
@@ -188,10 +189,14 @@ void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const 
         settle(fresh, &seen, x);
     }
     x->R = orthonormalised(x->R);
+    x->b_age += h;
     if (seen.has_field && estimator_trusted(&x->watch[SENSOR_FIELD])) {
         x->b_B = subtract(seen.b_B, x->field_bias);
+        x->b_age = 0.0;
     } else if (x->known) {
         x->b_B = apply_transposed(x->R, seen.field_N);
+    } else if (x->b_age > FIELD_LASTS) {
+        x->b_B = (Vector){0.0, 0.0, 0.0};
     } else {
         x->b_B = apply(rotation_exp(scale(-h, subtract(x->rate, x->rate_bias))), x->b_B);
     }

@@ -45,6 +45,7 @@ typedef struct {
     double since_orbit; /* s since the last measured orbit */
     double momentum;    /* of the wheel, N m s */
     Vector b_B;
+    double b_age; /* s since it was measured */
     /* An earlier field, for a start without the Sun: as measured, turned on with the body; by the model; its age, s. */
     bool anchored;
     Vector anchor_B, anchor_N;

@@ -125,7 +125,6 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "attitude_sigma_B": [1e-3, 5e-4, 2e-3],
         "rate_health": 1,
         "field_health": 1,
-        "attitude_bound": 0.1,
         "u_applied": [*(0.1 * rng.normal(size=3)), 1e-5 * rng.normal()],
         "tau_cmd_B": rng.choice([1e-5, 1e-3]) * rng.normal(size=3),
         "dipole_ff": 3.0 * rng.normal(size=3),

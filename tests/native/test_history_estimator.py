@@ -93,3 +93,16 @@ def test_without_the_gyro_for_a_while_the_rate_is_bridged_each_time(flavour):
         np.linalg.norm(ys[b - 2]["attitude_sigma_B"]) / np.linalg.norm(ys[a - 2]["attitude_sigma_B"]) for a, b in gaps
     ]
     assert ends[1:] == pytest.approx(ends[:1] * 2, rel=0.5)
+
+
+def test_before_an_attitude_the_last_field_is_given_for_five_minutes_each_time(flavour):
+    """The body is at rest; then there is none."""
+    first = measured(False)[0][2]
+    none = replace(first, sun_B_measured=np.zeros(3), b_B_measured=np.zeros(3), omega_B_measured=np.zeros(3))
+    with flavour("estimator", sensors(), replace(none, b_B_measured=first.b_B_measured), 10.0) as step:
+        for _ in range(2):
+            ys = [step(none) for _ in range(32)]
+            assert [bool(np.any(y["b_B"])) for y in ys] == [True] * 30 + [False] * 2
+            assert np.linalg.norm(ys[29]["b_B"]) == pytest.approx(np.linalg.norm(first.b_B_measured))
+            assert not any(np.any(y["R_NB"]) for y in ys)
+            step(replace(none, b_B_measured=first.b_B_measured))

@@ -14,6 +14,8 @@
 static const double SAMPLE_EARLY =
     1e-6; /* of the control period: a sample and a plan are due that much before their time */
 
+enum { HEALTH_LOST = 2 }; /* of a sensor that is frozen or inconsistent, or worse */
+
 typedef enum { PHASE_STEERING = 1, PHASE_ACQUISITION = 2, PHASE_HOLD = 3, PHASE_DAMPING = 4 } Phase;
 
 typedef struct {
@@ -36,7 +38,7 @@ typedef struct {
     bool strained;         /* a hold that the wheel possibly cannot keep close (strained.h) */
     PlannedMotion planned; /* of the plan of a strained hold */
     Profile profile;       /* of the disturbance, along the last orbit, as far as it was strained */
-    bool has_held;         /* there has been a hold */
+    bool may_doubt;        /* there has been a hold, or the field is not measured */
     bool doubted;          /* no attitude is left by its bound, and the satellite has turned since: rates are damped */
     bool provisional;      /* the plan is what the first search had come to in its first sample */
     bool challenged;       /* the search's plan is held against the plan at the next sample */

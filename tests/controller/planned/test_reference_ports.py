@@ -126,7 +126,7 @@ def bounded(bound, turns=0.0):
 
     def inputs(t):
         u = at_target(t)
-        return {**u, "attitude_bound": bound, "omega_B": np.array(u["omega_B"]) + [0.0, 0.0, turns]}
+        return {**u, "attitude_bound": bound, "omega_B": np.add(u["omega_B"], [0.0, 0.0, turns])}
 
     return inputs
 

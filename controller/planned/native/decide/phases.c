@@ -83,11 +83,11 @@ Standing controller_planned_standing(const ControllerPlannedState *x, const Mode
     };
 }
 
-void controller_planned_doubt(ControllerPlannedState *x, double bound, double rate, double wanted)
+void controller_planned_doubt(ControllerPlannedState *x, bool field_lost, double bound, double rate, double wanted)
 {
     const bool turns = (rate - wanted) * x->scales.time > TURNS;
-    x->has_held = x->has_held || x->phase == PHASE_HOLD;
-    x->doubted = x->has_held && bound > DOUBTED && (x->doubted || turns);
+    x->may_doubt = x->may_doubt || x->phase == PHASE_HOLD || field_lost;
+    x->doubted = x->may_doubt && bound > DOUBTED && (x->doubted || turns);
 }
 
 bool controller_planned_plan_has_come(const ControllerPlannedState *x, double early)

@@ -26,9 +26,9 @@ typedef enum {
     EVENT_SETTLED = 128
 } Event;
 
-/* Whether the attitude is doubted, x->doubted: `bound`, rad, on its error; the rates of the satellite and of its target,
- * rad/s. */
-void controller_planned_doubt(ControllerPlannedState *x, double bound, double rate, double wanted);
+/* Whether the attitude is doubted, x->doubted: whether the field is not measured; `bound`, rad, on the attitude's error;
+ * the rates of the satellite and of its target, rad/s. */
+void controller_planned_doubt(ControllerPlannedState *x, bool field_lost, double bound, double rate, double wanted);
 
 /* `search_time`, s, is how long a search takes. */
 Standing controller_planned_standing(const ControllerPlannedState *x, const Model *model, const Ahead *ahead,

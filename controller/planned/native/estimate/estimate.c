@@ -6,7 +6,6 @@
 
 #include <string.h>
 
-enum { LOST = 2 };                   /* health of a sensor that is frozen or inconsistent */
 static const double TURNED = 0.03;   /* rad: a field off by more changes torques more than the rods do */
 static const double GAIN_MIN = 1e-3; /* of a dead rod: it keeps its direction */
 static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
@@ -128,7 +127,7 @@ Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, V
 /* Whether the rods can be watched: the field is a magnetometer's, or turned by an attitude that is known well. */
 static bool shows_rods(const ControllerPlannedInputs *u)
 {
-    return u->field_health < LOST || norm(vector(u->attitude_sigma_B)) < TURNED;
+    return u->field_health < HEALTH_LOST || norm(vector(u->attitude_sigma_B)) < TURNED;
 }
 
 /* The motion before the measurement, its covariance, and what the measurement tells. */
@@ -173,7 +172,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
     controller_planned_set_noise(p, u, &x->identification);
-    controller_planned_set_taught(u->rate_health < LOST, &x->identification);
+    controller_planned_set_taught(u->rate_health < HEALTH_LOST, &x->identification);
     controller_planned_set_disturbance(&x->scales, x->strained, &x->identification);
     const Vector bias = vector(x->identification.p + BIAS);
     if (p->find_failures) {
