@@ -59,7 +59,7 @@ def momentum_bound(
     rods = setup.loop.plant.dipole_max if limit is None else limit
     say(
         f"{setup.scenario.name}: rods of {rods:g} A m2, together at most {bound.rho:.4f} A m2; "
-        f"wheel {1e3 * bound.l_max:g} mN m s"
+        f"wheel {1e3 * bound.l_max.sum():g} mN m s"
     )
     say(f"initial momentum {bound.H0_size:.4f} N m s")
     for what, least in (("least time", times.least), ("  along the momentum alone", times.simple)):

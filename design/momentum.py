@@ -7,7 +7,7 @@ and a dipole m in the field B gives m x B only. Over [0, T]
 
 where the ball of radius rho contains every rotation of the rods' polytope, so nothing need be known of the attitude
 on the way. At the end the motion is the desired one (to a tolerance), so that H_N(T) = R_d (J Omega_d + l e_w) for some
-|l| <= l_max. For a unit vector p, p.(m x B) = m.(B x p) <= rho |B x p|. Hence no dipole history does it within T if
+|l| <= l_max; of a set, the sum over its wheels. For a unit vector p, p.(m x B) = m.(B x p) <= rho |B x p|. Hence no dipole history does it within T if
 for some p
 
     g(p, T) = p.D - l_max |p.a| - rho (integral of |B_N x p| dt) - slack |p| > 0,
@@ -64,7 +64,7 @@ class Verdict:
     direction: Array
     """p (3,) in N, the certificate."""
     needed: float
-    """p.D - l_max |p.a|, N m s, along p/|p|."""
+    """p.D - l_max |p.a|, N m s, along p/|p|; l_max |p.a| of each wheel."""
     impulse: float
     """rho times the integral of |B x p|, N m s, the most that the rods give along p/|p|."""
     slack: float
@@ -108,20 +108,21 @@ class MomentumBalance:
         self.plant, self.law, self.horizon = p, law, horizon
         self.rho = farthest(p.rod_axes) * (p.dipole_max if dipole_max is None else dipole_max)
         self.rho += float(np.linalg.norm(p.residual_dipole_B))
-        self.l_max = p.wheel_momentum_max
+        self.l_max = np.array(p.of_wheels(p.wheel_momentum_max)[: p.wheels])
         moments = np.linalg.eigvalsh(p.body.J)
         spread = float(moments[2] - moments[0])
         self.field = Impulse(p.field.at, self.rho, horizon)
         times = self.field.times
         x = plant.start(p, plant.Inputs(np.zeros(3), 0.0))
         self.H0 = x.R @ x.Pi
+        held = float(self.l_max.sum())
         self._turn = max(float(np.linalg.norm(self._reference(t).Omega_d)) for t in times[:: max(1, len(times) // 50)])
         rate = self._turn * 1.0001
         chord = 2.0 * math.sin(0.5 * min(tolerance.attitude, math.pi))
-        self._tolerance = float(moments[2]) * tolerance.rate + chord * (self.l_max + spread * rate)
+        self._tolerance = float(moments[2]) * tolerance.rate + chord * (held + spread * rate)
         self._disturbance = self._disturbances(spread, times)
         self._J = p.body.J
-        self._fall = rate * (float(moments[2]) * rate + self.l_max) + self.rho * self.field.B_max + self._disturbance
+        self._fall = rate * (float(moments[2]) * rate + held) + self.rho * self.field.B_max + self._disturbance
         # An Omega_d that changes (an eccentric orbit) moves D as well: |J dOmega_d|, at its largest sampled value.
         change = max(float(np.linalg.norm(self._reference(t).dOmega_d)) for t in times[:: max(1, len(times) // 50)])
         self._fall += 1.1 * float(moments[2]) * change
@@ -161,9 +162,9 @@ class MomentumBalance:
         return total
 
     def needed(self, T: float) -> tuple[Array, Array]:
-        """D and a at time T: momentum to be given with an empty wheel, N m s, and the wheel's axis, in N."""
+        """D (3,) and a (n,3) at time T: momentum to be given with empty wheels, N m s, and the wheels' axes, in N."""
         reference = self._reference(T)
-        return reference.R_d @ (self._J @ reference.Omega_d) - self.H0, reference.R_d @ self.plant.wheel_axes[0]
+        return reference.R_d @ (self._J @ reference.Omega_d) - self.H0, self.plant.wheel_axes @ reference.R_d.T
 
     def slack(self, T: float) -> float:
         return self._tolerance + self._disturbance * T
@@ -172,7 +173,7 @@ class MomentumBalance:
         """g(p, T), N m s, from below; p (3,) with |p| <= 1."""
         D, a = self.needed(T)
         size = float(np.linalg.norm(p))
-        return float(p @ D) - self.l_max * abs(float(p @ a)) - self.field.impulse(p, T) - self.slack(T) * size
+        return float(p @ D) - float(self.l_max @ abs(a @ p)) - self.field.impulse(p, T) - self.slack(T) * size
 
     def at(self, T: float, guess: Array | None = None) -> Verdict:
         """The best certificate against T, s, that the optimiser finds."""
@@ -185,37 +186,44 @@ class MomentumBalance:
             time=T,
             gap=self.gap(best, T),
             direction=best,
-            needed=float(best @ D) - self.l_max * abs(float(best @ a)),
+            needed=float(best @ D) - float(self.l_max @ abs(a @ best)),
             impulse=self.field.impulse(best, T),
             slack=self.slack(T),
         )
 
     def _optimise(self, start: Array, D: Array, a: Array, T: float) -> Array:
-        """Maximises g over the unit ball; l_max |p.a| becomes l_max u with -u <= p.a <= u. Returns a unit vector."""
+        """Maximises g over the unit ball; l_max |p.a| becomes l_max u with -u <= p.a <= u, of each wheel.
+
+        Returns a unit vector."""
         B, w = self.field.chords(T)
         G = across(B)
         scale = 1.0 / float(np.linalg.norm(D))
         steady = self.slack(T) + self.rho * float(w.sum()) * self.field.error
 
         def cost(x: Array) -> tuple[float, Array]:
-            p, u = x[:3], x[3]
+            p, u = x[:3], x[3:]
             size = math.sqrt(p @ p) + 1e-300
             Gp = G @ p
             size_across = np.sqrt(np.maximum(Gp @ p, 1e-300))
-            value = p @ D - self.l_max * u - self.rho * (w @ size_across) - steady * size
+            value = p @ D - self.l_max @ u - self.rho * (w @ size_across) - steady * size
             slope = D - self.rho * ((w / size_across) @ Gp) - steady * p / size
             return -scale * value, -scale * np.append(slope, -self.l_max)
 
+        one = np.eye(len(a))
         limits = [
-            {"type": "ineq", "fun": lambda x: x[3] - x[:3] @ a, "jac": lambda x: np.append(-a, 1.0)},
-            {"type": "ineq", "fun": lambda x: x[3] + x[:3] @ a, "jac": lambda x: np.append(a, 1.0)},
-            {"type": "ineq", "fun": lambda x: 1.0 - x[:3] @ x[:3], "jac": lambda x: np.append(-2.0 * x[:3], 0.0)},
+            {"type": "ineq", "fun": lambda x: x[3:] - a @ x[:3], "jac": lambda x: np.hstack((-a, one))},
+            {"type": "ineq", "fun": lambda x: x[3:] + a @ x[:3], "jac": lambda x: np.hstack((a, one))},
+            {
+                "type": "ineq",
+                "fun": lambda x: 1.0 - x[:3] @ x[:3],
+                "jac": lambda x: np.append(-2.0 * x[:3], 0.0 * x[3:]),
+            },
         ]
         from scipy.optimize import minimize  # optional, for this command alone  # noqa: PLC0415
 
         found = minimize(
             cost,
-            np.append(start, abs(start @ a)),
+            np.append(start, abs(a @ start)),
             jac=True,
             method="SLSQP",
             constraints=limits,

@@ -67,13 +67,13 @@ def test_momentum_along_a_steady_field_cannot_be_taken_out_at_all(monkeypatch):
     probe = in_field([0.0, 0.0, 3e-5], monkeypatch)
     steady = in_field(3e-5 * probe.H0 / np.linalg.norm(probe.H0), monkeypatch)
     assert steady.least_time().least is None
-    wheel = abs(steady.needed(0.0)[1] @ steady.H0) / np.linalg.norm(steady.H0) * steady.l_max
+    wheel = abs(steady.needed(0.0)[1][0] @ steady.H0) / np.linalg.norm(steady.H0) * steady.l_max[0]
     assert steady.at(500.0).gap >= np.linalg.norm(steady.H0) - wheel - 1e-9
 
 
 def test_what_a_wheel_can_keep_need_not_be_taken_out(monkeypatch):
     probe = in_field([0.0, 0.0, 3e-5], monkeypatch)
-    wheel_axis = probe.needed(0.0)[1]
+    wheel_axis = probe.needed(0.0)[1][0]
     size = np.linalg.norm(probe.H0)
     along = float(probe.H0 @ wheel_axis)
     kept = in_field([0.0, 0.0, 3e-5], monkeypatch, **{"plant.wheel_momentum_max": 1.0})
@@ -128,7 +128,7 @@ def reached(b, T, faces, distance, parts=25):
     for t in edges[:-1] + 0.5 * h:
         B = b.plant.field.at(t)
         columns.append(h * np.array([[0, B[2], -B[1]], [-B[2], 0, B[0]], [B[1], -B[0], 0]]))
-    A_eq = np.column_stack([*columns, -a])  # sum of m x B h = D + l a
+    A_eq = np.column_stack([*columns, *-a])  # sum of m x B h = D + l a
     n = 3 * parts
     A_ub = np.zeros((parts * len(faces), n + 1))
     for i in range(parts):
@@ -139,7 +139,7 @@ def reached(b, T, faces, distance, parts=25):
         b_ub=np.full(len(A_ub), distance),
         A_eq=A_eq * 1e3,
         b_eq=D * 1e3,
-        bounds=[(None, None)] * n + [(-b.l_max, b.l_max)],
+        bounds=[(None, None)] * n + [(-b.l_max[0], b.l_max[0])],
         method="highs",
     )
     return found.status == 0
