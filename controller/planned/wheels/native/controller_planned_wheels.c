@@ -3,8 +3,7 @@
 
 #include "sample.h"
 
-static const double BEYOND = 100.0; /* dipoles of shedding over those of unloading: the rods are at their limits */
-static const double SOONER = 0.2;   /* of unloading_time, before the hold */
+static const double SOONER = 0.2; /* of unloading_time, before the hold */
 
 /* (3), in phase 4: the torque that brings the rate error to rest soonest, beside the gyroscopic one where the wheels
  * can bear that, too. */
@@ -30,12 +29,12 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     const Vector Omega = vector(u->omega_B), b = vector(u->b_B), by_wheels = cross(Omega, s->h);
     const Vector by_body = cross(Omega, apply(law->J, Omega));
     const bool sheds = x->phase == WHEELS_SHEDDING;
-    Vector unwanted = s->H;
-    if (sheds && !is_zero_matrix(matrix(u->R_NB))) { /* all that the rods can give */
-        unwanted = scale(BEYOND * norm(s->H), apply_transposed(matrix(u->R_NB), x->shedding));
-    }
     const double time = x->phase == WHEELS_HOLD ? p->unloading_time : SOONER * p->unloading_time;
-    const Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, unwanted, b);
+    Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, s->H, b);
+    if (sheds && !is_zero_matrix(matrix(u->R_NB))) {
+        const Vector along = apply_transposed(matrix(u->R_NB), x->shedding);
+        dipole = shedding_dipole(law->rods, p->dipole_max, p->rod_limits, along, b);
+    }
     const Vector by_rods = cross(apply_transposed(law->rods, dipole), b);
     const Target plan = controller_planned_wheels_plan_at(x, &s->target, p->command_period);
     Vector tau;

@@ -20,7 +20,7 @@ typedef struct {
     double begun;            /* s, of the turn */
     Vector axis;             /* of the turn, unit, in the frame of the desired body */
     SlewTurn turn;
-    Vector shedding;      /* unit, in N: direction of the momentum that is shed */
+    Vector shedding;      /* unit, in N: along it momentum is shed, (7) */
     Vector disturbance_B; /* N m, what the hold has to counter */
 } ControllerPlannedWheelsState;
 

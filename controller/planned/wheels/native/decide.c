@@ -1,13 +1,35 @@
 /* Phases and turns: docs/how/planned-wheels.md, Decisions. */
 #include "sample.h"
 
-static const double ENTER = 0.95, LEAVE = 0.5; /* of the momentum that the wheels hold in any direction: shedding */
-static const double SHED = 0.4;                /* of that: what shedding aims at */
-static const double LOST = 2.0;                /* errors, over those whose answer is all that the wheels can give */
-static const double FASTER = 1.05;             /* rates, from which on a turn goes on by new limits */
+static const double ENTER = 0.9; /* of the momentum that the wheels hold in any direction: above, it is shed */
+static const double LEAST_SHED = 0.1, ROOM = 1.15; /* of that: shed to at least, and what a turn has for rates */
+static const double TURN_ANGLE = 2.2;              /* rad, of the turn that follows */
+static const double SHEDDING_RODS = 1.5; /* of the mean rod's dipole: the most of three, the mean over attitudes */
+static const double LOST = 2.0;          /* errors, over those whose answer is all that the wheels can give */
+static const double FASTER = 1.05;       /* rates, from which on a turn goes on by new limits */
+/* Of their share beside momentum that is there: four wheels are evened out late. */
+static const double BESIDE = 0.85;
+enum { TURN_PARTS = 16 };        /* of a turn, in which its momentum is looked at */
 static const double LEAST = 0.1; /* of a turn's acceleration, where the gyroscopic torque would leave less */
 static const double DISTURBANCE_GAIN = 0.1, DISTURBANCE_SHARE = 0.3; /* of (2 k)^3; of the wheels' torque */
 static const double RODS_SLOW = 0.2; /* of the torque of a reduced set, which its turns take */
+
+/* (3): the rate that the wheels' momenta allow from the angle `angle` to the target about the axis: the momentum H stays
+ * in N, but for a ball that it turns in meanwhile with the target, and takes its way through the body. */
+static double rate_about(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector axis, double angle, double ball)
+{
+    const Vector along = apply(law->J, axis), still = s->target.Omega;
+    const Vector H = add(add(s->H, law->h_target), apply_transposed(s->Q, apply(law->J, still)));
+    double rate = INFINITY;
+    for (int i = 0; i <= TURN_PARTS; ++i) {
+        const Matrix left = rotation_exp(scale(angle * (double)i / (double)TURN_PARTS, axis));
+        const Vector there = apply_transposed(left, apply(s->Q, H)); /* in the body, when so much is left */
+        const Vector of_body = apply(law->J, apply_transposed(left, still));
+        rate = smaller(
+            rate, zonotope_beside(&s->momentum, BESIDE * law->p.momentum_share, subtract(there, of_body), ball, along));
+    }
+    return rate;
+}
 
 /* (4) with the limits of (3) about the axis, a unit vector. */
 static SlewTurn turn_about(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector axis, double angle)
@@ -18,11 +40,12 @@ static SlewTurn turn_about(const ControllerPlannedWheelsLaw *law, const Sample *
     if (s->reduced) {
         return (SlewTurn){angle, RODS_SLOW * least, sqrt(RODS_SLOW * least)};
     }
-    const double ball = norm(add(s->H, law->h_target)) + law->J_bound * of_target;
-    const double room = smaller(ball, ENTER * s->momentum.inradius);
-    const double rate = p->momentum_share * zonotope_reach(&s->momentum, room, along);
+    const double size = norm(add(s->H, law->h_target)), of_body = law->J_bound * of_target;
+    const double slow = zonotope_reach(&s->momentum, smaller(size + of_body, ENTER * s->momentum.inradius), along);
+    const double turned = size * smaller(1.0, of_target * angle / slow); /* of H with the target, meanwhile */
+    const double rate = larger(p->momentum_share * slow, rate_about(law, s, axis, angle, turned));
     const double fastest = smaller(rate, sqrt(angle * zonotope_reach(&s->torque, 0.0, along))) + of_target;
-    const double a = p->torque_share * zonotope_reach(&s->torque, fastest * ball, along);
+    const double a = p->torque_share * zonotope_reach(&s->torque, fastest * (size + of_body), along);
     return (SlewTurn){angle, larger(LEAST * least, a), rate};
 }
 
@@ -50,6 +73,27 @@ static void hasten_turn(const ControllerPlannedWheelsLaw *law, const Sample *s, 
     }
 }
 
+/* (7): whether momentum is shed, and along which direction. */
+static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const ControllerPlannedWheelsInputs *u,
+                  bool on, Vector *lambda)
+{
+    const double H = norm(add(s->H, law->h_target));
+    if (H <= (on ? LEAST_SHED : ENTER) * s->held) {
+        return false;
+    }
+    const Matrix R = matrix(u->R_NB);
+    if (is_zero_matrix(R)) {
+        return H > 0.5 * ENTER * s->held;
+    }
+    const Vector H_N = apply(R, s->H);
+    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, ENTER * s->held, ROOM * s->held,
+                               TURN_ANGLE * law->J_bound * 2.0 / 3.0};
+    const Shedding found = shedding_of(&data, H_N, on ? *lambda : direction(norm(H_N), H_N), apply(R, vector(u->b_B)),
+                                       vector(u->r_N), vector(u->v_N));
+    *lambda = found.lambda;
+    return H > ENTER * s->held || found.time > 0.0;
+}
+
 void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, const Sample *s,
                                       const ControllerPlannedWheelsInputs *u, bool first,
                                       ControllerPlannedWheelsState *x)
@@ -74,13 +118,7 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
         }
     }
     x->disturbance_B = none;
-    const bool on = x->phase == WHEELS_SHEDDING && !first;
-    if (norm(add(s->H, law->h_target)) > (on ? LEAVE : ENTER) * s->held) {
-        const Matrix R = matrix(u->R_NB);
-        const Vector H_N = apply(R, s->H);
-        const double excess = larger(1.0 - SHED * s->held / norm(s->H), 0.0);
-        x->shedding = shedding_direction(scale(excess, H_N), on ? x->shedding : direction(1.0, H_N), law->rods_dipole,
-                                         vector(u->r_N), vector(u->v_N));
+    if (sheds(law, s, u, x->phase == WHEELS_SHEDDING && !first, &x->shedding)) {
         x->phase = WHEELS_SHEDDING;
     } else if (!s->target.attitude || norm(s->rate) > 0.5 * answered * s->k) {
         x->phase = WHEELS_DAMPING;

@@ -68,7 +68,7 @@ bool controller_planned_wheels_take_sample(const ControllerPlannedWheelsLaw *law
 {
     const Matrix R = matrix(u->R_NB);
     const Vector Omega = vector(u->omega_B);
-    *s = (Sample){.angle = REFERENCE_NO_ATTITUDE};
+    *s = (Sample){.angle = REFERENCE_NO_ATTITUDE, .Q = identity};
     if (!is_finite_input(u, f) || (!is_zero_matrix(R) && !is_attitude(R, f)) || !target_of(law, u, &s->target, f)) {
         return false;
     }
@@ -83,11 +83,11 @@ bool controller_planned_wheels_take_sample(const ControllerPlannedWheelsLaw *law
         s->rate = subtract(Omega, s->target.Omega);
         of_target = apply(law->J, s->target.Omega);
     } else {
-        const Matrix Q = multiply(transposed(s->target.R), R);
-        s->zeta = rotation_log(Q);
+        s->Q = multiply(transposed(s->target.R), R);
+        s->zeta = rotation_log(s->Q);
         s->angle = norm(s->zeta);
-        s->rate = subtract(Omega, apply_transposed(Q, s->target.Omega));
-        of_target = apply_transposed(Q, apply(law->J, s->target.Omega));
+        s->rate = subtract(Omega, apply_transposed(s->Q, s->target.Omega));
+        of_target = apply_transposed(s->Q, apply(law->J, s->target.Omega));
     }
     s->H = subtract(subtract(add(apply(law->J, Omega), s->h), law->h_target), of_target);
     take_wheels(law, failed, s);

@@ -14,6 +14,7 @@ typedef struct {
 /* What there is at a sample. */
 typedef struct {
     Target target;
+    Matrix Q;          /* body to desired body; one without an attitude */
     Vector zeta, rate; /* errors from the target, in its axes and in body axes: (5) */
     double angle;      /* pi without an attitude */
     Vector h, H;       /* of the wheels, and of all beyond the target: (6) */

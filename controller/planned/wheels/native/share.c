@@ -56,15 +56,19 @@ static void even_momenta(const ControllerPlannedWheelsLaw *law, const Sample *s,
 void controller_planned_wheels_share(const ControllerPlannedWheelsLaw *law, const Sample *s,
                                      const double h_w[WHEELS_MAX], Vector wanted, double of_wheels[WHEELS_MAX])
 {
-    double limits[WHEELS_MAX], even[WHEELS_MAX];
+    double limits[WHEELS_MAX], then[WHEELS_MAX], even[WHEELS_MAX];
     Vector torque_of[WHEELS_MAX];
     for (int i = 0; i < WHEELS_MAX; ++i) {
         limits[i] = s->works[i] ? law->p.wheel_torque_max[i] : 0.0;
     }
     distribute(WHEELS_MAX, law->axes, limits, torque_of);
-    even_momenta(law, s, h_w, even);
+    const double time = EVENED_SAMPLES * law->p.command_period;
     for (int i = 0; i < WHEELS_MAX; ++i) {
-        const double more = s->reduced ? 0.0 : (even[i] - h_w[i]) / (EVENED_SAMPLES * law->p.command_period);
+        then[i] = h_w[i] + time * dot(torque_of[i], wanted);
+    }
+    even_momenta(law, s, then, even);
+    for (int i = 0; i < WHEELS_MAX; ++i) {
+        const double more = s->reduced ? 0.0 : (even[i] - then[i]) / time;
         of_wheels[i] = s->works[i] ? clip(dot(torque_of[i], wanted) + more, -limits[i], limits[i]) : 0.0;
     }
 }

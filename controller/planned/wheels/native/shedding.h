@@ -1,44 +1,87 @@
-/* The least time in which rods take momentum away that the wheels cannot hold: docs/how/planned-wheels.md, (7). The
- * steering of controller_planned, on the field of a dipole along the Earth's axis: each sample corrects it. */
+/* How the rods take momentum away that the wheels cannot hold, and how much of it: docs/how/planned-wheels.md, (7). */
 #ifndef CONTROLLER_PLANNED_WHEELS_SHEDDING_H
 #define CONTROLLER_PLANNED_WHEELS_SHEDDING_H
 
-#include "rotation.h"
+#include "wheels.h"
 
-enum { SHEDDING_NODES = 120 };
+enum { SHEDDING_NODES = 720, SHEDDING_ITERATIONS = 3 };
 
-static const double SHEDDING_TURN = 0.06;     /* rad of the orbit from node to node */
-static const double SHEDDING_DIPOLE = 7.8e15; /* T m3, of the Earth */
-static const double SHEDDING_REGULAR = 1e-3;  /* of the mean of M: what no field of the horizon takes away */
-static const double SHEDDING_NEAR = 0.02;     /* |b x lambda| over |b|, below which the field gives no direction */
+static const double SHEDDING_TURN = 0.01; /* rad of the orbit from node to node */
+static const double SHEDDING_SOFT = 0.1;  /* |b x lambda| over |b|, below which the dipoles are less than all */
+static const double SHEDDING_LEAST = 0.1; /* of `held`: less is not aimed at */
 
-/* The direction lambda in which the rods' torque takes the momentum D_N away in the least time, by one iteration from
- * `before`; dipole is theirs, A m2. Both are unit vectors in N. */
-static inline Vector shedding_direction(Vector D_N, Vector before, double dipole, Vector r_N, Vector v_N)
+typedef struct {
+    double dipole;     /* A m2, of all rods across any direction, the mean over attitudes */
+    double held;       /* N m s, of which wheels bear at most so much in a turn */
+    double room, turn; /* N m s, kg m2 rad: with the momentum x in the wheels a turn takes turn/(room - x) s */
+} SheddingData;
+
+typedef struct {
+    Vector lambda; /* unit, in N: along it all that the rods can give */
+    double time;   /* s, for which it pays to go on */
+} Shedding;
+
+/* By iterations from `before`, which is one as well, of unit length; b_N is the field here. All in N. The field to come
+ * is that of the dipole in the Earth's middle that gives b_N here. */
+static inline Shedding shedding_of(const SheddingData *data, Vector H_N, Vector before, Vector b_N, Vector r_N,
+                                   Vector v_N)
 {
-    const Vector across = cross(r_N, v_N), north = {0.0, 0.0, 1.0};
-    const double r = norm(r_N), size = norm(across);
-    if (!(r > 1.0 && size > 0.0 && norm(D_N) > 0.0)) {
-        return direction(1.0, D_N);
+    const Vector across = cross(r_N, v_N);
+    const double r = norm(r_N), size = norm(across), H = norm(H_N);
+    if (!(r > 1.0 && size > 0.0 && H > 0.0 && norm(b_N) > WHEELS_FIELD_MIN)) {
+        return (Shedding){before, 0.0};
     }
-    const double time = SHEDDING_TURN * r * r / size; /* s from node to node, on a circle through r */
+    const double node = SHEDDING_TURN * r * r / size; /* s, on a circle through r */
     const Vector radial = scale(1.0 / r, r_N), ahead = cross(scale(1.0 / size, across), radial);
-    Matrix M = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    Vector lambda = before;
-    for (int i = 0; i < SHEDDING_NODES; ++i) {
-        const double angle = (i + 0.5) * SHEDDING_TURN;
-        const Vector up = add(scale(cos(angle), radial), scale(sin(angle), ahead));
-        const Vector b = scale(SHEDDING_DIPOLE / (r * r * r), subtract(north, scale(3.0 * dot(north, up), up)));
-        const double B = norm(b), part = dipole * time / larger(norm(cross(b, before)), SHEDDING_NEAR * B);
-        M = add_scaled(M, part * B * B, identity);
-        M = add_scaled(M, -part, (Matrix){scale(b.x, b), scale(b.y, b), scale(b.z, b)});
-        const double regular = SHEDDING_REGULAR * (M.a.x + M.b.y + M.c.z) / 3.0;
-        lambda = solve(add_scaled(M, regular, identity), D_N);
-        if (norm(lambda) <= 1.0) { /* the time suffices */
-            break;
+    const Vector earth = subtract(scale(1.5 * dot(b_N, radial), radial), b_N); /* T, of the dipole over r^3 */
+    const double least = SHEDDING_LEAST * data->held;
+    Shedding found = {before, 0.0};
+    for (int k = 0; k < SHEDDING_ITERATIONS; ++k) {
+        const Vector lambda = found.lambda;
+        const Matrix none = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+        Matrix M = none, M_best = none;
+        double left = dot(lambda, H_N), left_best = left, time = 0.0, whole = INFINITY;
+        found.time = 0.0;
+        for (int i = 0; i <= SHEDDING_NODES && time < whole; ++i) {
+            const double turn = data->turn / (data->room - larger(left, 0.0));
+            if (left <= data->held ? time + turn < whole : !(whole < INFINITY)) {
+                whole = left <= data->held ? time + turn : INFINITY;
+                M_best = M;
+                left_best = clip(left, least, data->held);
+                found.time = time;
+            }
+            if (left <= least) {
+                break;
+            }
+            const double angle = (i + 0.5) * SHEDDING_TURN;
+            const Vector up = add(scale(cos(angle), radial), scale(sin(angle), ahead));
+            const Vector b = subtract(scale(3.0 * dot(earth, up), up), earth);
+            const double B2 = dot(b, b), sine2 = larger(B2 - dot(b, lambda) * dot(b, lambda), 0.0);
+            const double most = data->dipole * node / sqrt(larger(sine2, SHEDDING_SOFT * SHEDDING_SOFT * B2));
+            const double share = most * sine2 > left - 0.9 * least ? (left - 0.9 * least) / (most * sine2) : 1.0;
+            M = add_scaled(M, share * most * B2, identity);
+            M = add_scaled(M, -share * most, (Matrix){scale(b.x, b), scale(b.y, b), scale(b.z, b)});
+            left -= share * most * sine2;
+            time += share * node;
         }
+        const Vector next = solve(add_scaled(M_best, left_best, identity), H_N);
+        found.lambda = direction(norm(next), next);
     }
-    return direction(1.0, lambda);
+    return found;
+}
+
+/* Along the rods, A m2: all that takes momentum along lambda_B away, less where the field lies along it. */
+static inline Vector shedding_dipole(Matrix rods, double dipole_max, const double rod_limits[3], Vector lambda_B,
+                                     Vector b)
+{
+    const double B = norm(b);
+    if (B < WHEELS_FIELD_MIN) {
+        return (Vector){0.0, 0.0, 0.0};
+    }
+    const Vector along = apply(rods, scale(1.0 / (SHEDDING_SOFT * B), cross(lambda_B, b)));
+    return (Vector){rod_limits[0] * dipole_max * clip(along.x, -1.0, 1.0),
+                    rod_limits[1] * dipole_max * clip(along.y, -1.0, 1.0),
+                    rod_limits[2] * dipole_max * clip(along.z, -1.0, 1.0)};
 }
 
 #endif

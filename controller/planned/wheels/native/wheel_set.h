@@ -44,6 +44,20 @@ static inline Zonotope zonotope_of(int n, const Vector axes[], const double limi
     return z;
 }
 
+/* The largest factor with which `along` beside the vector `base` and any vector of length `ball` lies in the `share` of the
+ * zonotope. */
+static inline double zonotope_beside(const Zonotope *z, double share, Vector base, double ball, Vector along)
+{
+    double reach = INFINITY;
+    for (int k = 0; k < z->facets; ++k) {
+        const double part = dot(z->normal[k], along), there = dot(z->normal[k], base);
+        if (fabs(part) > 0.0) {
+            reach = smaller(reach, (share * z->distance[k] - ball - (part > 0.0 ? there : -there)) / fabs(part));
+        }
+    }
+    return reach;
+}
+
 /* The largest factor with which `along` beside any vector of length `ball` lies in the zonotope, negative where the
  * ball alone does not: (3). */
 static inline double zonotope_reach(const Zonotope *z, double ball, Vector along)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from evidence.wheels.bound import least_time
 from tests.native.driver import Instance, running
 from tests.plant.motion import FULL_INERTIA
 
@@ -107,3 +108,17 @@ def test_without_an_attitude_or_a_reference_the_wheels_damp_the_rate() -> None:
         y = it.outputs()
     assert y["tau_cmd_B"] == pytest.approx(np.cross(goal, FULL_INERTIA @ goal), rel=1e-9)
     assert y["rate_error_B"] == pytest.approx(np.zeros(3), abs=1e-15)
+
+
+def test_momentum_along_the_field_is_shed_in_less_than_five_times_the_proven_least_time() -> None:
+    """Dipoles across it leave it where it is. The bound has rods at the best attitude, the controller in a tumble."""
+    with running("plant_wheels", **FOUR, **STILL, q_NB0=[0.5, 0.5, 0.5, 0.5]) as it:
+        b = it.get("b_B")
+    rate = np.linalg.solve(FULL_INERTIA, 3.0 * MOMENTUM * b / np.linalg.norm(b))
+    start = {**tumbling(1.0), "omega_B0": rate}
+    seen = Seen()
+    fly(1500.0, seen, FOUR, start, {})
+    least = least_time(FOUR, start)
+    assert least is not None
+    assert 50.0 < least < seen.phase.index(DAMP) * H < 5.0 * least
+    assert seen.phases == [SHED, DAMP, TURN, HOLD]
