@@ -7,8 +7,8 @@ and a dipole m in the field B gives m x B only. Over [0, T]
 
 where the ball of radius rho contains every rotation of the rods' polytope, so nothing need be known of the attitude
 on the way. At the end the motion is the desired one (to a tolerance), so that H_N(T) = R_d (J Omega_d + l e_w) for some
-|l| <= l_max; of a set, the sum over its wheels. For a unit vector p, p.(m x B) = m.(B x p) <= rho |B x p|. Hence no dipole history does it within T if
-for some p
+|l| <= l_max; of a set, the sum over its wheels. For a unit vector p, p.(m x B) = m.(B x p) <= rho |B x p|.
+Hence no dipole history does it within T if for some p
 
     g(p, T) = p.D - l_max |p.a| - rho (integral of |B_N x p| dt) - slack |p| > 0,
     D = R_d J Omega_d - H_N(0),  a = R_d e_w,  slack: disturbances over T and the tolerances.

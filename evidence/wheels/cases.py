@@ -17,7 +17,7 @@ from orchestration.campaign.case import Case
 from .. import crew
 from ..flight.cases import DRAWN, drawn
 from ..flight.schemes import NO_ERRORS, Data, base, change, fit, without
-from ..paper import ROOT, Array
+from ..paper import ROOT
 from ..satellites.classes import ACROSS, CLASSES, FIELD, SHARES, Satellite
 
 ELEVATION = math.radians(35.0)
