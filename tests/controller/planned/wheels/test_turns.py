@@ -45,7 +45,7 @@ def test_a_turn_accelerates_coasts_and_brakes_within_the_momentum_that_is_left(h
     H_N = turned(angle, e) @ (np.array(h_w) @ axes)
     ball = [np.linalg.norm(H_N) * u for u in axes_of(np.random.default_rng(1), 300)]  # anywhere in the body
     way = [turned(angle * i / 16.0, e).T @ H_N for i in range(17)]
-    slow = min(reach(axes, np.full(4, 0.95 * MOMENTUM), along, base) for base in (ball if any(h_w) else [0.0]))
+    slow = 0.95 * min(reach(axes, np.full(4, MOMENTUM), along, base) for base in (ball if any(h_w) else [0.0]))
     rate = max(slow, min(reach(axes, np.full(4, 0.85 * 0.95 * MOMENTUM), along, base) for base in way))
     with running(BLOCK, **FOUR, reference="inertial", R_NB=turned(angle, e), h_w=h_w, **NO_FIELD) as it:
         a = np.linalg.norm(it.get("dOmega_d"))
@@ -60,8 +60,9 @@ def test_a_turn_accelerates_coasts_and_brakes_within_the_momentum_that_is_left(h
             it.step((i - 1) * H, H)
             seen.append((-it.get("Omega_d") @ e - speed, Rotation.from_matrix(it.get("R_d")).magnitude() - left))
     assert a <= 0.9 * reach(axes, np.full(4, TORQUE), along) * (1.0 + 1e-9)
-    assert np.abs([speed for speed, _ in seen]).max() < 1e-9
-    assert abs(seen[int(rise / H)][1]) < 1e-8
+    tolerance = 0.02 * rate if any(h_w) else 1e-9  # of directions drawn
+    assert np.abs([speed for speed, _ in seen]).max() < tolerance
+    assert abs(seen[int(rise / H)][1]) < max(1e-8, tolerance / H * rise)
 
 
 def turned(angle: float, e: np.ndarray) -> np.ndarray:
