@@ -5,9 +5,9 @@ plane, both fit, with gyro scales that differ by little. One filter then settles
 the bank starts from all turns about the field, each filter has a score (its log-likelihood), and the attitude is
 ambiguous as long as one that is far from the best is nearly as likely.
 
-The error state of each filter is (turn in B, gyro bias, gyro scale); multiplicative, as that of the estimator
-(Lefferts, Markley and Shuster, 1982). All arrays begin with the filter's number. Tests: tests/inflight/test_bank.py,
-tests/estimator/test_banked.py.
+The error state of each filter is (turn in B, gyro bias, field bias, gyro scale): that of the estimator (Lefferts,
+Markley and Shuster, 1982), and behind it the scale. All arrays begin with the filter's number. Tests:
+tests/inflight/test_bank.py, tests/estimator/test_banked.py.
 
 Longer than 250 lines: the bank, each of its measurements, and the vectorised rotations that they need.
 """
@@ -24,6 +24,9 @@ from .so3 import log
 Floats = NDArray[np.float64]
 
 EARTH_RADIUS = 6378137.0
+STATES = 12
+GYRO = (3, 4, 5, 9, 10, 11)
+"""Of the error state: the gyro's bias and scale."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,10 @@ class Noise:
     """At the start: the prior on the gyro's scale"""
     light: float = 0.12
     """Of a current, as part of that of the Sun at normal incidence"""
+    field_bias: float = 0.0
+    """T, of the magnetometer at the start; with 0 and without a walk none is estimated"""
+    field_walk: float = 0.0
+    """T in 1 s"""
     gate: float = 30.0
     """Innovations beyond this are not used, and count as this in the score"""
 
@@ -60,11 +67,12 @@ class Faces:
 
 @dataclass
 class Bank:
-    """Filters side by side: attitudes R (k,3,3), N from B, biases and scales (k,3), covariances (k,9,9), scores
-    (k,)."""
+    """Filters side by side: attitudes R (k,3,3), N from B, biases of gyro and field and scales (k,3), covariances
+    (k,12,12), scores (k,)."""
 
     R: Floats
     bias: Floats
+    field_bias: Floats
     scale: Floats
     P: Floats
     score: Floats
@@ -76,15 +84,17 @@ class Bank:
 
     @property
     def packed(self) -> Floats:
-        """(k,97), a row for each filter."""
+        """(k,163), a row for each filter."""
         k = len(self.score)
-        return np.hstack((self.R.reshape(k, 9), self.bias, self.scale, self.P.reshape(k, 81), self.score[:, None]))
+        return np.hstack(
+            (self.R.reshape(k, 9), self.bias, self.field_bias, self.scale, self.P.reshape(k, -1), self.score[:, None])
+        )
 
     @classmethod
     def unpacked(cls, rows: Floats) -> Bank:
         """The bank of which `packed` made the rows; its arrays are its own."""
-        R, bias, scale, P, score = (part.copy() for part in np.split(rows, [9, 12, 15, 96], axis=1))
-        return cls(R.reshape(-1, 3, 3), bias, scale, P.reshape(-1, 9, 9), score[:, 0])
+        R, bias, field_bias, scale, P, score = (part.copy() for part in np.split(rows, [9, 12, 15, 18, 162], axis=1))
+        return cls(R.reshape(-1, 3, 3), bias, field_bias, scale, P.reshape(-1, STATES, STATES), score[:, 0])
 
     def strain(self, noise: Noise) -> float:
         """Returns the largest bias or scale of the best filter, in deviations of what was known before."""
@@ -111,7 +121,7 @@ class Bank:
             far = [float(np.trace(self.R[j].T @ self.R[k])) < 1.0 + 2.0 * np.cos(angle) for j in keep]
             if not keep or (self.score[k] > self.score[keep[0]] - margin and all(far)):
                 keep.append(k)
-        for name in ("R", "bias", "scale", "P", "score"):
+        for name in ("R", "bias", "field_bias", "scale", "P", "score"):
             setattr(self, name, getattr(self, name)[keep])
 
     def ambiguity(self, margin: float) -> float:
@@ -146,12 +156,14 @@ def started(b_B: Floats, B_N: Floats, noise: Noise, turns: int = TURNS, scales: 
     about = exp(np.outer(angle, np.array([0.0, 0.0, 1.0])))
     R = first_N @ about @ first_B.T
     along = first_B[:, 2:] @ first_B[:, 2:].T
-    P = np.zeros((len(angle), 9, 9))
+    P = np.zeros((len(angle), STATES, STATES))
     P[:, :3, :3] = (np.pi / turns) ** 2 * along + 0.1**2 * (np.eye(3) - along)
     P[:, [3, 4, 5], [3, 4, 5]] = noise.bias**2
-    P[:, [6, 7, 8], [6, 7, 8]] = noise.scale**2
+    P[:, [6, 7, 8], [6, 7, 8]] = noise.field_bias**2
+    P[:, [9, 10, 11], [9, 10, 11]] = noise.scale**2
     scale = np.repeat(noise.scale * off[:, None], 3, 1)
-    return Bank(R, np.zeros((len(angle), 3)), scale, P, -0.5 * off**2)
+    zero = np.zeros((len(angle), 3))
+    return Bank(R, zero, zero, scale, P, -0.5 * off**2)
 
 
 def propagate(x: Bank, before: Floats, now: Floats, h: float, noise: Noise, since: float | None = None) -> None:
@@ -168,13 +180,14 @@ def propagate(x: Bank, before: Floats, now: Floats, h: float, noise: Noise, sinc
     x.R = x.R @ step
     Jr = right_jacobian(h * middle)
     F = np.zeros_like(x.P)
-    F[:, range(9), range(9)] = 1.0
+    F[:, range(STATES), range(STATES)] = 1.0
     F[:, :3, :3] = step.transpose(0, 2, 1)
     F[:, :3, 3:6] = -h * Jr
-    F[:, :3, 6:] = -h * Jr * middle[:, None, :]
+    F[:, :3, 9:] = -h * Jr * middle[:, None, :]
     x.P = F @ x.P @ F.transpose(0, 2, 1)
     x.P[:, [0, 1, 2], [0, 1, 2]] += noise.angle**2 * h
     x.P[:, [3, 4, 5], [3, 4, 5]] += noise.bias_walk**2 * h
+    x.P[:, [6, 7, 8], [6, 7, 8]] += noise.field_walk**2 * h
 
 
 def _made_up(rate: Floats, change: Floats, since: float) -> Floats:
@@ -192,7 +205,9 @@ def _made_up(rate: Floats, change: Floats, since: float) -> Floats:
 def by_field(x: Bank, b_B: Floats, B_N: Floats, noise: Noise) -> Floats:
     """With the measured field (3,), T, and that of the model, in N. Returns the nis (k,), as all of these do."""
     b = np.einsum("kji,j->ki", x.R, B_N)
-    return _corrected(x, b_B - b, _hat(b), np.full(3, noise.field**2), noise.gate)
+    slope = np.zeros((len(b), 3, 9))
+    slope[:, :, :3], slope[:, :, 6:] = _hat(b), np.eye(3)
+    return _corrected(x, b_B - b - x.field_bias, slope, np.full(3, noise.field**2), noise.gate)
 
 
 def by_sun(x: Bank, sun_B: Floats, sun_N: Floats, sigma: float, noise: Noise) -> Floats:
@@ -231,23 +246,25 @@ def earths_light(albedo: float, r_N: Floats, sun_N: Floats) -> Floats:
 
 
 def _corrected(x: Bank, y: Floats, H: Floats, variance: Floats, gate: float) -> Floats:
-    """With an innovation (k,m) of slope (k,m,3) by the turn; beyond the gate it only counts in the score. Returns the
-    normalised innovation squared (k,)."""
-    PH = x.P[:, :, :3] @ H.transpose(0, 2, 1)
-    S = H @ PH[:, :3] + np.diag(variance)
+    """With an innovation (k,m) of slope (k,m,n) by the first n error states; beyond the gate it only counts in the
+    score. Returns the normalised innovation squared (k,)."""
+    n = H.shape[2]
+    PH = x.P[:, :, :n] @ H.transpose(0, 2, 1)
+    S = H @ PH[:, :n] + np.diag(variance)
     inverse = np.linalg.inv(S)
     nis = np.einsum("ki,kij,kj->k", y, inverse, y)
     use = nis <= gate
     x.score -= 0.5 * (np.minimum(nis, gate) + np.log(np.linalg.det(S / variance[0])))
     K = PH @ inverse * use[:, None, None]
     change = np.einsum("kij,kj->ki", K, y)
-    left = np.tile(np.eye(9), (len(y), 1, 1))
-    left[:, :, :3] -= K @ H
+    left = np.tile(np.eye(STATES), (len(y), 1, 1))
+    left[:, :, :n] -= K @ H
     x.P = left @ x.P @ left.transpose(0, 2, 1) + (K * variance) @ K.transpose(0, 2, 1)  # Joseph's form
     x.P = 0.5 * (x.P + x.P.transpose(0, 2, 1))
     x.R = x.R @ exp(change[:, :3])
     x.bias = x.bias + change[:, 3:6]
-    x.scale = x.scale + change[:, 6:]
+    x.field_bias = x.field_bias + change[:, 6:9]
+    x.scale = x.scale + change[:, 9:]
     return np.asarray(nis)
 
 

@@ -54,7 +54,7 @@ class Banked:
     def unpacked(cls, values: Array) -> Banked:
         """What `packed` made the array of."""
         head, rows = values[:_HEADER], values[_HEADER:]
-        bank = Bank.unpacked(rows.reshape(-1, 97)) if len(rows) else None
+        bank = Bank.unpacked(rows.reshape(-1, 163)) if len(rows) else None
         return cls(bank, head[:3].copy(), int(head[3]), int(head[4]), float(head[5]), float(head[6]))
 
     @property
@@ -87,6 +87,8 @@ def by_bank(x: Estimate, all_: Banked, new: Measured, seen: Seen, p: Parameters,
         bias=p.rate_bias_sigma,
         scale=p.rate_scale_sigma,
         light=p.sun_sensor_noise,
+        field_bias=p.field_bias_sigma,
+        field_walk=p.field_random_walk,
         gate=p.gate,
     )
     since, now = x.since_rate + h, all_.rate if new.omega_B is None else new.omega_B
@@ -101,15 +103,20 @@ def by_bank(x: Estimate, all_: Banked, new: Measured, seen: Seen, p: Parameters,
     x = _measured(x, bank, all_, new, seen, p, noise)
     best = bank.best
     all_.ambiguity, all_.strain = bank.ambiguity(MARGIN), bank.strain(noise)
-    P = np.zeros((9, 9))
-    P[:6, :6] = bank.P[best][:6, :6]
     known = x.known or not all_.doubtful
     if all_.in_a_row >= IN_A_ROW:
         all_.bank, all_.taken, all_.in_a_row, all_.ambiguity, all_.strain = None, 0, 0, math.pi, 0.0
     bias = bank.bias[best]
     rate = (now - bias) / (1.0 + bank.scale[best]) + bias
     return replace(
-        x, R=bank.R[best], rate=rate, rate_bias=bias, P=P, known=known, tracking=known and all_.bank is not None
+        x,
+        R=bank.R[best],
+        rate=rate,
+        rate_bias=bias,
+        field_bias=bank.field_bias[best],
+        P=bank.P[best][:9, :9],
+        known=known,
+        tracking=known and all_.bank is not None,
     )
 
 

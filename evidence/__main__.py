@@ -20,6 +20,7 @@ from orchestration.cli.status import Commands
 
 from .allocators import make as allocator_runs
 from .allocators import page as allocator_page
+from .estimator import bank as estimator_bank
 from .estimator import make as estimates
 from .failures import make as failures_flown
 from .failures.rows import TABLES
@@ -208,6 +209,17 @@ def false_convergence(jobs: int, cases: int) -> None:
     tell apart."""
     for line in flown_records.of_spins(flown_records.spun(cases, jobs)):
         say(line)
+
+
+@main.command("bank")
+@_jobs
+@click.option("--runs", default=24, show_default=True, type=click.IntRange(6, 1000), help="Draws of each campaign.")
+def bank(jobs: int, runs: int) -> None:
+    """Fly the tumbles of docs/evidence/estimation.md with one filter and with the bank, on the same draws.
+
+    What is flown is kept in results/bank.
+    """
+    Console(width=160).print(estimator_bank.table(runs, jobs))
 
 
 @main.command("flight-case")

@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.bank import (
+    GYRO,
     MARGIN,
     PRUNE_ANGLE,
     PRUNE_EVERY,
     PRUNE_MARGIN,
     STRAIN_MAX,
+    TURNS,
     UNIQUE,
     Bank,
     Faces,
@@ -49,6 +51,10 @@ def steadied(flight: Flight) -> Flight:
         terms = np.vander(off, 3, increasing=True)
         rates[i] = np.linalg.lstsq(weight * terms, weight * flight.omega[rows], rcond=None)[0][0]
     return replace(flight, omega=rates)
+
+
+AS_A_START = np.pi / TURNS
+"""rad, deviation of the turn at a start: what a gap leaves with as much is started anew."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +109,10 @@ def attitudes(flight: Flight, field: Floats, field_N: Floats, noise: Noise, face
     bank: Bank = started(field[0], field_N[0], noise)
     for i in range(n):
         if i:
+            before = _deviation(bank)
             propagate(bank, omega[i - 1], omega[i], t[i] - t[i - 1], noise)
+            if before < AS_A_START <= _deviation(bank):
+                bank = started(field[i], field_N[i], noise)
         innovation = field[i] - bank.R[bank.best].T @ field_N[i]
         nis[i] = innovation @ innovation / noise.field**2
         by_field(bank, field[i], field_N[i], noise)
@@ -116,8 +125,13 @@ def attitudes(flight: Flight, field: Floats, field_N: Floats, noise: Noise, face
             bank.pruned(PRUNE_MARGIN, PRUNE_ANGLE)
     best = bank.best
     bias, scale = bank.bias[best], bank.scale[best]
-    covariance, likelihood = bank.P[best][3:, 3:], float(bank.score[best])
+    covariance, likelihood = bank.P[best][np.ix_(GYRO, GYRO)], float(bank.score[best])
     return Attitudes(R, rate, ambiguity, nis, bias, scale, covariance, bank.strain(noise), likelihood)
+
+
+def _deviation(bank: Bank) -> float:
+    """rad: of the turn of the best filter, about the axis on which it is the largest."""
+    return float(np.sqrt(np.linalg.eigvalsh(bank.P[bank.best, :3, :3])[-1]))
 
 
 def both_ways(

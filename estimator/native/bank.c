@@ -38,10 +38,11 @@ void estimator_bank_start(Vector b_B, Vector B_N, const BankNoise *noise, Bank *
     memset(&first, 0, sizeof first);
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-            first.P.m[i][j] = (along * along - ACROSS * ACROSS) * z[i] * z[j] + (i == j ? ACROSS * ACROSS : 0.0);
+            first.P[i][j] = (along * along - ACROSS * ACROSS) * z[i] * z[j] + (i == j ? ACROSS * ACROSS : 0.0);
         }
-        first.P.m[3 + i][3 + i] = noise->bias * noise->bias;
-        first.P.m[6 + i][6 + i] = noise->scale * noise->scale;
+        first.P[ERROR_RATE + i][ERROR_RATE + i] = noise->bias * noise->bias;
+        first.P[ERROR_BIAS + i][ERROR_BIAS + i] = noise->field_bias * noise->field_bias;
+        first.P[BANK_SCALE + i][BANK_SCALE + i] = noise->scale * noise->scale;
     }
     for (int turn = 0; turn < BANK_TURNS; ++turn) {
         const Matrix about = rotation_exp((Vector){0.0, 0.0, 2.0 * PI * turn / (double)BANK_TURNS});
@@ -87,29 +88,30 @@ static Matrix right_jacobian_of_turn(Vector v)
 }
 
 /* P <- T P T^T with the rows of T[0..2] given and the others those of the identity. */
-static void transform(double T[3][ERROR_STATES], Covariance *P)
+static void transform(double T[3][BANK_STATES], double P[BANK_STATES][BANK_STATES])
 {
-    Covariance M = *P;
+    double M[3][BANK_STATES], left[3];
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < ERROR_STATES; ++j) {
-            M.m[i][j] = 0.0;
-            for (int k = 0; k < ERROR_STATES; ++k) {
-                M.m[i][j] += T[i][k] * P->m[k][j];
+        for (int j = 0; j < BANK_STATES; ++j) {
+            M[i][j] = 0.0;
+            for (int k = 0; k < BANK_STATES; ++k) {
+                M[i][j] += T[i][k] * P[k][j];
             }
         }
     }
-    *P = M;
-    for (int i = 0; i < ERROR_STATES; ++i) {
+    memcpy(P, M, sizeof M);
+    for (int i = 0; i < BANK_STATES; ++i) {
         for (int j = 0; j < 3; ++j) {
-            P->m[i][j] = 0.0;
-            for (int k = 0; k < ERROR_STATES; ++k) {
-                P->m[i][j] += M.m[i][k] * T[j][k];
+            left[j] = 0.0;
+            for (int k = 0; k < BANK_STATES; ++k) {
+                left[j] += P[i][k] * T[j][k];
             }
         }
+        memcpy(P[i], left, sizeof left);
     }
-    for (int i = 0; i < ERROR_STATES; ++i) {
+    for (int i = 0; i < BANK_STATES; ++i) {
         for (int j = 0; j < i; ++j) {
-            P->m[i][j] = P->m[j][i] = 0.5 * (P->m[i][j] + P->m[j][i]);
+            P[i][j] = P[j][i] = 0.5 * (P[i][j] + P[j][i]);
         }
     }
 }
@@ -123,44 +125,43 @@ void estimator_bank_propagate(Vector now, double h, double since, const BankNois
         const Vector more = made_up(rate, subtract(after, rate), since);
         const Matrix step = multiply(rotation_exp(scale(h, rate)), rotation_exp(more));
         const Matrix J = right_jacobian_of_turn(scale(h, middle));
-        double T[3][ERROR_STATES], A[3][3], B[3][3];
+        double T[3][BANK_STATES], A[3][3], B[3][3];
+        memset(T, 0, sizeof T);
         store_matrix(transposed(step), A);
         store_matrix(J, B);
         for (int i = 0; i < 3; ++i) {
             const double w[3] = {middle.x, middle.y, middle.z};
             for (int j = 0; j < 3; ++j) {
                 T[i][j] = A[i][j];
-                T[i][3 + j] = -h * B[i][j];
-                T[i][6 + j] = -h * B[i][j] * w[j];
+                T[i][ERROR_RATE + j] = -h * B[i][j];
+                T[i][BANK_SCALE + j] = -h * B[i][j] * w[j];
             }
         }
         filter->R = multiply(filter->R, step);
-        transform(T, &filter->P);
+        transform(T, filter->P);
         for (int i = 0; i < 3; ++i) {
-            filter->P.m[i][i] += noise->angle * noise->angle * h;
-            filter->P.m[3 + i][3 + i] += noise->bias_walk * noise->bias_walk * h;
+            filter->P[i][i] += noise->angle * noise->angle * h;
+            filter->P[ERROR_RATE + i][ERROR_RATE + i] += noise->bias_walk * noise->bias_walk * h;
+            filter->P[ERROR_BIAS + i][ERROR_BIAS + i] += noise->field_walk * noise->field_walk * h;
         }
     }
 }
 
 double estimator_bank_correct(const Innovation *innovation, double gate, BankFilter *filter)
 {
-    const Matrix H = innovation->H_attitude;
-    const Matrix P = {vector(filter->P.m[0]), vector(filter->P.m[1]), vector(filter->P.m[2])};
-    Matrix S = multiply(H, multiply(P, transposed(H)));
-    S.a.x += innovation->r.x;
-    S.b.y += innovation->r.y;
-    S.c.z += innovation->r.z;
-    const double unit = innovation->r.x, ratio = dot(S.a, cross(S.b, S.c)) / (unit * unit * unit);
-    Covariance corrected = filter->P;
-    Correction given;
-    const double nis = estimator_correct(innovation, &corrected, &given);
+    double P[BANK_STATES][BANK_STATES];
+    LongCorrection given;
+    memcpy(P, filter->P, sizeof P);
+    const double nis = estimator_correct_states(innovation, BANK_STATES, P[0], &given), unit = innovation->r.x;
+    /* Each variance is that of a component once those before it are known: their product is det S. */
+    const double ratio = given.variance[0] / unit * (given.variance[1] / unit) * (given.variance[2] / unit);
     filter->score -= 0.5 * (smaller(nis, gate) + log(ratio));
     if (nis <= gate) {
-        filter->P = corrected;
+        memcpy(filter->P, P, sizeof P);
         filter->R = multiply(filter->R, rotation_exp(vector(given.error)));
-        filter->bias = add(filter->bias, vector(given.error + 3));
-        filter->scale = add(filter->scale, vector(given.error + 6));
+        filter->bias = add(filter->bias, vector(given.error + ERROR_RATE));
+        filter->field_bias = add(filter->field_bias, vector(given.error + ERROR_BIAS));
+        filter->scale = add(filter->scale, vector(given.error + BANK_SCALE));
     }
     return nis;
 }

@@ -8,7 +8,7 @@
 #include "rotation.h"
 
 /* The state has room for them whether or not `bank` is asked for. A host that never does compiles all files with
- * ESTIMATOR_WITHOUT_BANK: the state is then 29 KB smaller, and estimator_check refuses `bank`. */
+ * ESTIMATOR_WITHOUT_BANK: the state is then 50 KB smaller, and estimator_check refuses `bank`. */
 #if defined(ESTIMATOR_WITHOUT_BANK)
 enum { BANK_TURNS = 1, BANK_SCALES = 2 };
 #else
@@ -16,12 +16,14 @@ enum { BANK_TURNS = 8, BANK_SCALES = 5 };
 #endif
 enum { BANK_FILTERS = BANK_TURNS * BANK_SCALES, BANK_DIODES = 6 };
 
-/* Its error state is (turn in B, gyro bias, gyro scale). */
+enum { BANK_STATES = 12, BANK_SCALE = 9 };
+
+/* Its error state is (turn in B, gyro bias, field bias, gyro scale): that of the one filter, and behind it the scale. */
 typedef struct {
     Matrix R;
-    Vector bias, scale;
+    Vector bias, field_bias, scale;
     double score; /* log-likelihood */
-    Covariance P;
+    double P[BANK_STATES][BANK_STATES];
 } BankFilter;
 
 typedef struct {
@@ -35,9 +37,9 @@ typedef struct {
     BankFilter of[BANK_FILTERS];
 } Bank;
 
-/* Standard deviations; `angle` and `bias_walk` in 1 s. */
+/* Standard deviations; `angle` and the walks in 1 s. */
 typedef struct {
-    double angle, bias_walk, bias, scale;
+    double angle, bias_walk, bias, scale, field_bias, field_walk;
 } BankNoise;
 
 /* Without a filter. */

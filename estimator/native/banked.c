@@ -13,9 +13,9 @@ enum { PRUNE_EVERY = 20 };                    /* measurements of the field */
 static void take(const EstimatorLaw *law, const Directions *seen, int sensor, int32_t best, Estimate *x, Bank *bank)
 {
     for (int32_t k = 0; k < bank->count; ++k) {
-        Innovation innovation = estimator_innovation(law, seen, sensor, bank->of[k].R, (Vector){0.0, 0.0, 0.0});
-        innovation.biased = false;
-        const double nis = estimator_bank_correct(&innovation, law->p.gate, &bank->of[k]);
+        BankFilter *filter = &bank->of[k];
+        const Innovation innovation = estimator_innovation(law, seen, sensor, filter->R, filter->field_bias);
+        const double nis = estimator_bank_correct(&innovation, law->p.gate, filter);
         x->nis[sensor] = k == best ? nis : x->nis[sensor];
     }
     x->rejected[sensor] += x->nis[sensor] <= law->p.gate || x->rejected[sensor] == INT32_MAX ? 0 : 1;
@@ -72,7 +72,8 @@ void estimator_by_bank(const EstimatorLaw *law, const EstimatorInputs *u, const 
                        double h, Estimate *x, Bank *bank)
 {
     const EstimatorParameters *p = &law->p;
-    const BankNoise noise = {p->angle_random_walk, p->rate_random_walk, p->rate_bias_sigma, p->rate_scale_sigma};
+    const BankNoise noise = {p->angle_random_walk, p->rate_random_walk, p->rate_bias_sigma,
+                             p->rate_scale_sigma,  p->field_bias_sigma, p->field_random_walk};
     const Vector now = fresh->rate ? vector(u->omega_B_measured) : bank->rate;
     x->since_rate += h;
     if (bank->count > 0) {
@@ -92,10 +93,10 @@ void estimator_by_bank(const EstimatorLaw *law, const EstimatorInputs *u, const 
     x->known = x->known || estimator_bank_doubtful(bank) == 0;
     x->R = best->R;
     x->rate_bias = best->bias;
+    x->field_bias = best->field_bias;
     x->rate = add((Vector){rate.x / (1.0 + k.x), rate.y / (1.0 + k.y), rate.z / (1.0 + k.z)}, best->bias);
-    memset(&x->P, 0, sizeof x->P);
-    for (int i = 0; i < 6; ++i) {
-        memcpy(x->P.m[i], best->P.m[i], 6 * sizeof(double));
+    for (int i = 0; i < ERROR_STATES; ++i) {
+        memcpy(x->P.m[i], best->P[i], sizeof x->P.m[i]);
     }
     if (bank->in_a_row >= IN_A_ROW) {
         estimator_bank_clear(bank);

@@ -15,11 +15,11 @@ void estimator_covariance_at_start(double attitude, double rate, double bias, Co
     }
 }
 
-static void symmetrise(Covariance *P)
+static void symmetrise(int n, double P[])
 {
-    for (int i = 0; i < ERROR_STATES; ++i) {
+    for (int i = 0; i < n; ++i) {
         for (int j = 0; j < i; ++j) {
-            P->m[i][j] = P->m[j][i] = 0.5 * (P->m[i][j] + P->m[j][i]);
+            P[n * i + j] = P[n * j + i] = 0.5 * (P[n * i + j] + P[n * j + i]);
         }
     }
 }
@@ -82,44 +82,42 @@ Transition estimator_propagate(Vector turn, double h, double sign, Matrix F, con
               ERROR_ATTITUDE, P);
     set_block(add_scaled(block(P, ERROR_RATE, ERROR_RATE), h, walks->rate), ERROR_RATE, ERROR_RATE, P);
     set_block(add_scaled(block(P, ERROR_BIAS, ERROR_BIAS), h * walks->bias, identity), ERROR_BIAS, ERROR_BIAS, P);
-    symmetrise(P);
+    symmetrise(ERROR_STATES, P->m[0]);
     return (Transition){A, B, C, D, lasts};
 }
 
-/* One component: y = row . error + noise of variance r. Gives K, y and s, and returns y^2/s. */
-static double correct_by(double y, const double row[ERROR_STATES], double r, Covariance *P, double error[ERROR_STATES],
-                         double K[ERROR_STATES], double *residual, double *variance)
+/* One component: y = row . error + noise of variance r. */
+static void correct_by(double y, const double row[], double r, int n, double P[], int component, LongCorrection *given)
 {
-    double PH[ERROR_STATES], s = r, left = y;
-    for (int i = 0; i < ERROR_STATES; ++i) {
+    double PH[ERROR_STATES_MAX], s = r, left = y, *K = given->gains[component];
+    for (int i = 0; i < n; ++i) {
         PH[i] = 0.0;
-        for (int j = 0; j < ERROR_STATES; ++j) {
-            PH[i] += P->m[i][j] * row[j];
+        for (int j = 0; j < n; ++j) {
+            PH[i] += P[n * i + j] * row[j];
         }
         s += row[i] * PH[i];
-        left -= row[i] * error[i];
+        left -= row[i] * given->error[i];
     }
-    for (int i = 0; i < ERROR_STATES; ++i) {
+    for (int i = 0; i < n; ++i) {
         K[i] = PH[i] / s;
-        error[i] += left * K[i];
+        given->error[i] += left * K[i];
     }
-    for (int i = 0; i < ERROR_STATES; ++i) {
+    for (int i = 0; i < n; ++i) {
         double MH = 0.0;
-        for (int j = 0; j < ERROR_STATES; ++j) {
-            P->m[i][j] -= K[i] * PH[j];
-            MH += P->m[i][j] * row[j];
+        for (int j = 0; j < n; ++j) {
+            P[n * i + j] -= K[i] * PH[j];
+            MH += P[n * i + j] * row[j];
         }
-        for (int j = 0; j < ERROR_STATES; ++j) {
-            P->m[i][j] += (r * K[i] - MH) * K[j];
+        for (int j = 0; j < n; ++j) {
+            P[n * i + j] += (r * K[i] - MH) * K[j];
         }
     }
-    symmetrise(P);
-    *residual = left;
-    *variance = s;
-    return left * left / s;
+    symmetrise(n, P);
+    given->residual[component] = left;
+    given->variance[component] = s;
 }
 
-double estimator_correct(const Innovation *innovation, Covariance *P, Correction *given)
+double estimator_correct_states(const Innovation *innovation, int states, double P[], LongCorrection *given)
 {
     double y[3], r[3], H[3][3], nis = 0.0;
     store(innovation->y, y);
@@ -127,11 +125,22 @@ double estimator_correct(const Innovation *innovation, Covariance *P, Correction
     store_matrix(innovation->H_attitude, H);
     memset(given->error, 0, sizeof given->error);
     for (int i = 0; i < 3; ++i) {
-        double row[ERROR_STATES] = {H[i][0], H[i][1], H[i][2]};
+        double row[ERROR_STATES_MAX] = {H[i][0], H[i][1], H[i][2]};
         row[ERROR_BIAS + i] = innovation->biased ? 1.0 : 0.0;
-        double residual, variance;
-        nis += correct_by(y[i], row, r[i], P, given->error, given->gains[i], &residual, &variance);
-        given->scaled[i] = residual / sqrt(variance + innovation->lasting * innovation->lasting);
+        correct_by(y[i], row, r[i], states, P, i, given);
+        nis += given->residual[i] * given->residual[i] / given->variance[i];
+    }
+    return nis;
+}
+
+double estimator_correct(const Innovation *innovation, Covariance *P, Correction *given)
+{
+    LongCorrection all;
+    const double nis = estimator_correct_states(innovation, ERROR_STATES, P->m[0], &all);
+    memcpy(given->error, all.error, sizeof given->error);
+    for (int i = 0; i < 3; ++i) {
+        memcpy(given->gains[i], all.gains[i], sizeof given->gains[i]);
+        given->scaled[i] = all.residual[i] / sqrt(all.variance[i] + innovation->lasting * innovation->lasting);
     }
     return nis;
 }

@@ -68,4 +68,14 @@ typedef struct {
 /* Takes a measurement, its components in turn, each in Joseph's form; returns the normalised innovation squared. */
 double estimator_correct(const Innovation *innovation, Covariance *P, Correction *given);
 
+enum { ERROR_STATES_MAX = 12 };
+
+/* The same of a covariance of more states, whose first ones are those above: residuals and variances by component. */
+typedef struct {
+    double error[ERROR_STATES_MAX], residual[3], variance[3], gains[3][ERROR_STATES_MAX];
+} LongCorrection;
+
+/* P: by rows. */
+double estimator_correct_states(const Innovation *innovation, int states, double P[], LongCorrection *given);
+
 #endif

@@ -92,6 +92,11 @@ def pair(flight: Flight, found: Attitudes) -> Sky | None:
     return _of_errors(error, np.zeros((0, 3)))
 
 
+def silent(found: Attitudes, *seen: Sky | None) -> bool:
+    """Whether an attitude is trusted from which the Sun sensors are far: a false convergence that was not reported."""
+    return found.trusted and max((each.rms for each in seen if each is not None), default=0.0) > FALSE
+
+
 def _of_errors(error: Floats, turn: Floats) -> Sky | None:
     if not len(error):
         return None
@@ -120,7 +125,7 @@ def edges(flight: Flight, found: Attitudes) -> list[Edge]:
     whole = np.isfinite(flight.currents).all(axis=1) & bool(flight.currents.size)
     axis = flight.omega.mean(axis=0)
     sun_B = np.einsum("nji,nj->ni", found.R, flight.orbit.sun_N())
-    turns = exp(np.outer(np.radians(np.arange(-30.0, 31.0, 3.0)), axis / np.linalg.norm(axis)))
+    turns = exp(np.outer(np.radians(np.arange(-30.0, 31.0, 3.0)), axis / max(np.linalg.norm(axis), 1e-12)))
     out = []
     for i in np.flatnonzero(np.diff((light > 0.5).astype(int))):
         near = (np.abs(t - t[i]) < 90.0) & found.unique & whole

@@ -29,7 +29,7 @@ from ..swap.prepare import prepare
 from ..swap.prepared import Prepared
 from ..system import cycles
 from ..system.rates import Rates, rates
-from ..telemetry.pack import notes_of, packed
+from ..telemetry.pack import notes_of, packed, unit_notes
 from .limits import limits
 from .manifest import described
 from .plan import Plan, plan
@@ -195,11 +195,12 @@ def _without_inputs(scenario: Scenario) -> tuple[Scenario, list[str]]:
 
 def _of_records(scenario: Scenario, fmus: dict[str, Fmu]) -> list[str]:
     records = {name: entry.telemetry for name, entry in scenario.blocks.items() if entry.telemetry is not None}
-    return [
+    told = [
         f"{name}: {note}"
         for name, record in records.items()
         for note in notes_of(fmus[name].path, record.file, scenario.duration)
     ]
+    return told + [note for name, record in records.items() for note in unit_notes(scenario, name, record)]
 
 
 def locate(fmu: str, folder: Path, flavour: str, here: bool = True) -> Path:

@@ -10,10 +10,12 @@ from pathlib import Path
 from fmus import places
 from fmus.build import BuildError
 from fmus.contents.description import guid_from
+from fmus.interface import BLOCKS, load
 from fmus.kept import code
 
 from ..errors import InputError, Problem, reason
 from ..paths import located
+from ..quantities import parse_unit
 from ..scenario.scenario import Scenario
 from ..scenario.telemetry import Telemetry
 from .record import Record, Seen
@@ -79,6 +81,20 @@ def notes_of(fmu: Path, file: str, duration: float) -> list[str]:
     begins = f"{file}: {seen.rows} rows to {seen.last:.10g} s" + (f", t = 0 is {utc}" if utc else "")
     late = [f"the first row is at {seen.begin:.10g} s, after the run"] if seen.begin > duration else []
     return ["; ".join([begins, *late, *seen.notes()])]
+
+
+def unit_notes(scenario: Scenario, name: str, entry: Telemetry) -> list[str]:
+    """Returns a note for each port whose unit is not of the kind that ports of its name have in this project's blocks:
+    a port that nothing reads is held against nothing else."""
+    notes = []
+    for port, column in entry.columns.items():
+        named = {block: load(block).variables[port] for block in BLOCKS if port in load(block).variables}
+        units = {block: v.units[0] or "1" for block, v in named.items() if v.type == "real"}
+        if units and not any(parse_unit(column.unit).fits(parse_unit(unit)) for unit in units.values()):
+            block, unit = next(iter(units.items()))
+            text = f"{column.unit!r} does not fit {unit!r}, the unit that a port of this name has in {block}"
+            notes.append(scenario.note(("blocks", name, "telemetry", "columns", port, "unit"), text))
+    return notes
 
 
 def _about(description: str, name: str, columns: list[str]) -> str:

@@ -113,6 +113,7 @@ class Record:
         steps: list[float] = []
         parts = self._parts()
         if self.entry.disordered == "sorted":
+            self._earliest()
             parts = _sorted(parts)
         held = np.empty((0, 0))
         for lines, table in parts:
@@ -151,9 +152,16 @@ class Record:
             self.seen.last = float(table[-1, 0])
         return table
 
-    def _parts(self) -> Iterator[tuple[NDArray[np.int64], Floats]]:
+    def _earliest(self) -> None:
+        """The first instant of rows in any order, where nothing states t = 0."""
+        if self.entry.start is None and self.entry.time.scale != "elapsed":
+            names = [self.entry.time.column, *self.entry.where]
+            self.seen.first = min((float(times.min()) for _, times in self._timed(names)), default=np.nan)
+
+    def _timed(self, names: list[str]) -> Iterator[tuple[Block, Floats]]:
+        """The rows that are asked for, with their instants; the first of `names` is the time, behind it are those of
+        `where`."""
         entry, scale = self.entry, self.entry.time.scale
-        names = [entry.time.column, *entry.where, *(c for port in entry.columns.values() for c in port.cells)]
         for block in blocks(self.path, self.header, names):
             chosen = np.ones(len(block.lines), bool)
             for i, text in enumerate(entry.where.values(), start=1):
@@ -169,6 +177,12 @@ class Record:
             times, bad_time, why = instants(block.columns[0], self._factor, self._epoch, scale)
             if bad_time is not None:
                 raise block.error(bad_time, entry.time.column, why)
+            yield block, times
+
+    def _parts(self) -> Iterator[tuple[NDArray[np.int64], Floats]]:
+        entry = self.entry
+        names = [entry.time.column, *entry.where, *(c for port in entry.columns.values() for c in port.cells)]
+        for block, times in self._timed(names):
             if np.isnan(self.seen.first):
                 self.seen.first = self._start(times)
             times = times - self.seen.first
@@ -205,7 +219,10 @@ class Record:
 
 
 def _sorted(parts: Iterator[tuple[NDArray[np.int64], Floats]]) -> Iterator[tuple[NDArray[np.int64], Floats]]:
-    lines, tables = zip(*parts, strict=True)
+    found = list(parts)
+    if not found:
+        return
+    lines, tables = zip(*found, strict=True)
     table = np.concatenate(tables)
     order = np.argsort(table[:, 0], kind="stable")
     yield np.concatenate(lines)[order], table[order]

@@ -62,6 +62,17 @@ def test_filters_back_from_the_last_row_tell_the_first_attitudes_and_one_that_th
     assert both_ways(flight, flight.m, B, NOISE, turned)[1] == pytest.approx(0.5, abs=0.15)
 
 
+@pytest.mark.parametrize(("seed", "unique"), [(4, False), (8, True)])
+def test_after_a_gap_in_which_the_attitude_is_lost_what_is_called_unique_is_right(seed, unique):
+    """Filters that go on through such a gap settle 100 and 140 deg off, alone and without a doubt."""
+    flight, R, B, _ = spinning(seed, 3500, scale=0.01, bias=(0.02, 0.0, -0.01))
+    left = np.abs(flight.t - 1700.0) > 1200.0
+    found = attitudes(flight.part(left), flight.m[left], B[left], Noise())
+    after = found.unique & (flight.t[left] > 2900.0)
+    assert after.any() == unique
+    assert not (np.degrees(angle(R[left], found.R)[after]) > 10.0).any()
+
+
 def test_an_attitude_that_is_called_unique_is_right_and_one_that_is_wrong_is_reported():
     wrong = 0
     for seed in range(4):

@@ -9,10 +9,12 @@ import pyarrow as pa
 import pytest
 from pyarrow import parquet
 
+from evidence.flight_data.goals import goals
 from evidence.flight_data.records import records
-from evidence.flight_data.study import edges, pair, sky
+from evidence.flight_data.study import Edge, Shown, Sky, edges, pair, sky
 from evidence.flight_data.synthetic import spinning
 from inflight.attitude import Attitudes
+from inflight.magnetometer import calibrate
 from orchestration.errors import InputError
 from tests.inflight.test_orbit import TLE
 
@@ -92,6 +94,21 @@ def test_a_layout_of_two_rates_is_refused_with_its_line(tmp_path):
     (tmp_path / "columns.yaml").write_text(RENAMED.replace("[wx, wy, wz]", "[wx, wy]"))
     with pytest.raises(InputError, match=r"columns.yaml:\d+: columns: expected omega_B_measured of 3 columns"):
         records(tmp_path, 600.0)
+
+
+def test_goals_are_those_of_the_worst_record_and_of_attitudes_that_are_trusted(flown):
+    flight, found = flown
+    own = replace(calibrate(flight.t, flight.m, np.linalg.norm(flight.orbit.field_N(), axis=1)), rms=3e-7)
+    bad = Sky(20.0, 20.0, 9, np.nan)
+    met = Shown(flight, 0.0, own, 0.0, {}, found, 0.0, replace(bad, rms=3.0), None, [Edge(True, 0.0, 9.0, -1.9)])
+    wrong = replace(met, sky=bad)
+    doubted = replace(wrong, attitude=replace(found, strain=9.0))
+    assert [line.rpartition(": ")[2] for line in goals([met, doubted], [None, None], None)] == [
+        *("met", "met", "met", "these records do not show it", "met")
+    ]
+    missed = goals([met, wrong], [None, None], None)
+    assert missed[1] == "goal: withheld sun sensors, deg rms: 20, at most 4: NOT MET"
+    assert missed[4] == "goal: false convergences not reported: 1, at most 0: NOT MET"
 
 
 def test_a_folder_without_records_is_refused(tmp_path):

@@ -101,6 +101,13 @@ def test_an_error_of_the_file_names_its_line(scenario):
         run(scenario)
 
 
+def test_a_unit_that_ports_of_this_name_do_not_have_is_noted_at_its_line_though_nothing_reads_it(scenario):
+    columns = {"omega_B_measured": {"of": ["x", "y", "b"], "unit": "furlong"}, "mine": {"of": "x", "unit": "furlong"}}
+    scenario["blocks"]["log"]["telemetry"]["columns"] = columns
+    (note,) = (note for note in run(scenario).manifest["notes"] if "furlong" in note)
+    assert "columns.omega_B_measured.unit: 'furlong' does not fit 'rad/s', the unit that a port of this name" in note
+
+
 def test_fmpy_plays_the_exported_record(scenario, tmp_path):
     from orchestration.session.open import open_fmus
     from orchestration.session.read import load

@@ -85,6 +85,19 @@ def test_of_rows_of_one_instant_the_last_counts_and_older_rows_are_dropped(tmp_p
     np.testing.assert_array_equal(first[:, :2], [[0, 1], [0.5, 4], [1, 2], [2, 5]])
 
 
+@pytest.mark.parametrize("where", [{}, {"y": "2"}])
+def test_sorted_rows_begin_at_the_earliest_of_those_that_are_asked_for(tmp_path, where):
+    text = "t,x,y\n2000000050,5,2\n2000000000,1,2\n2000000001,3,2\n1999999990,0,1\n"
+    record, table = read(tmp_path, text, scale="UTC", disordered="sorted", where=where)
+    assert table[:, 0].tolist() == ([0.0, 1.0, 50.0] if where else [0.0, 10.0, 11.0, 60.0])
+    assert record.utc == ("2033-05-18T03:33:20Z" if where else "2033-05-18T03:33:10Z")
+
+
+@pytest.mark.parametrize("disordered", ["dropped", "sorted"])
+def test_a_header_without_rows_is_refused(tmp_path, disordered):
+    assert refused(tmp_path, "t,x,y\n", disordered=disordered) == "log.csv:1: there are no rows"
+
+
 def test_rows_of_one_instant_in_two_blocks_are_one_sample(tmp_path, monkeypatch):
     monkeypatch.setattr("orchestration.telemetry.rows.BLOCK", 2)
     _, table = read(tmp_path, "t,x,y\n0,1,1\n1,2,2\n1,3,3\n1,4,4\n0,9,9\n2,5,5\n")
