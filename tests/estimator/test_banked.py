@@ -22,8 +22,11 @@ LIT = "2009-02-10T00:00:00Z"
 SPIN = np.array((0.1, -0.5, 0.07))
 
 
-def fly(seconds: int, scale: float = 0.0, light: bool = False, **changes: object) -> list[estimator.block.Outputs]:
-    """A spin at one place with a gyro whose scale is off; outputs of each second. The true attitude is exp(SPIN t)."""
+def fly(
+    seconds: int, scale: float = 0.0, light: bool = False, bias: tuple[float, ...] = (0.0, 0.0, 0.0), **changes: object
+) -> list[estimator.block.Outputs]:
+    """A spin at one place with a gyro whose scale is off and a magnetometer with a bias; outputs of each second. The
+    true attitude is exp(SPIN t)."""
     p = parameters("estimator", bank=True, epoch=LIT, field_noise=1e-7, angle_random_walk=1e-5, **changes)
     estimator.block.check(p)
     sun_N = estimator.onboard.sun_direction(p.days)
@@ -36,7 +39,7 @@ def fly(seconds: int, scale: float = 0.0, light: bool = False, **changes: object
         u = inputs(
             "estimator",
             omega_B_measured=(1.0 + scale) * SPIN,
-            b_B_measured=R.T @ p.field.at(float(i), R_N),
+            b_B_measured=R.T @ p.field.at(float(i), R_N) + bias,
             r_N_measured=R_N,
             v_N_measured=np.zeros(3),
             sun_sensors=np.maximum(seen, 0.0) + lit * earth if light else np.full(6, 1e9),
@@ -71,6 +74,21 @@ def test_currents_and_field_give_attitude_and_gyro_scale() -> None:
     assert off(last.R_NB, 60) < 1.0
     assert last.omega_B == pytest.approx(SPIN, abs=2e-3)
     assert np.linalg.norm(last.omega_B - SPIN) < 0.2 * np.linalg.norm(0.015 * SPIN)
+
+
+def test_a_bias_of_the_magnetometer_is_estimated_where_one_is_stated() -> None:
+    bias = (8e-7, -6e-7, 5e-7)
+    known, unknown = (fly(90, light=True, bias=bias, field_bias_sigma=sigma)[-1] for sigma in (1e-6, 0.0))
+    assert known.field_bias_B == pytest.approx(bias, abs=5e-8)
+    assert known.b_B == pytest.approx(field_in(known.R_NB), abs=2e-7)
+    assert off(known.R_NB, 90) < 0.3 < off(unknown.R_NB, 90)
+    assert not unknown.field_bias_B.any()
+
+
+def field_in(R: np.ndarray) -> np.ndarray:
+    """The model's field in the axes of an attitude, after 90 s."""
+    p = parameters("estimator", epoch=LIT)
+    return R.T @ p.field.at(90.0, R_N)
 
 
 def test_a_scale_that_cannot_be_is_doubtful() -> None:
