@@ -24,7 +24,7 @@ import numpy as np
 import orchestration
 from orchestration.session.open import locate
 
-from . import bench_campaign, bench_pages
+from . import bench_campaign, bench_pages, bench_telemetry
 
 ROOT = Path(__file__).parents[1]
 SCENARIO = ROOT / "scenarios" / "paper_no_singularity.yaml"
@@ -253,6 +253,7 @@ def main() -> None:
     calls("python", 2000)
     process(runs)
     isolation()
+    bench_telemetry.rows(row)
     bench_campaign.rows(orbit("native", 4), 400, row)
     basilisk(20)
 

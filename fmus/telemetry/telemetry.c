@@ -135,7 +135,7 @@ fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference r[], size_t 
         if (r[i] == ENDED) {
             v[i] = (uint64_t)t->rows == t->head.rows;
         } else if (p != NULL && r[i] == p->reference + p->size) {
-            v[i] = p->fresh || (p->sample > 0 && t->now - p->time <= t->hold);
+            v[i] = p->fresh || (p->sample > 0 && t->now - p->time <= t->hold + 1e-9);
         } else {
             return host_refuse(&t->host, "fmi2GetBoolean: there is no Boolean variable with this value reference");
         }

@@ -1,6 +1,6 @@
 """A file as a scenario's `telemetry` describes it: times from the start of the run, and the ports' values, in blocks.
 
-A million rows of ten columns take 20 s and the memory of one block. Tests: tests/orchestration/telemetry."""
+A million rows take some 10 s and the memory of one block. Tests: tests/orchestration/telemetry."""
 
 from __future__ import annotations
 

@@ -5,11 +5,13 @@ import shutil
 import fmpy
 import numpy as np
 import pytest
+import yaml
 
 from fmus.build import ensure
 from orchestration import load, run
 from orchestration.errors import InputError
 from orchestration.swap.option import swapped, swaps_of
+from tests.commands import orchestrate
 
 LOG = "t,x,y,b\n0,1,2,10\n1,3,4,\n2.5,5,6,30\n4,7,8,40\n"
 ENTRY = {
@@ -71,6 +73,62 @@ def test_hold_and_shift_are_parameters(scenario):
     result = run(scenario)
     assert column(result, "w_sample") == [0, 0, 1, 1, 2, 2, 2, 3, 3, 3, 4]
     assert column(result, "w_valid") == [0, 0, 1, 1, 1, 1, 0, 1, 1, 0, 1]
+
+
+def test_each_sample_is_held_as_long_as_the_others_whatever_the_rounding_of_its_time(scenario, tmp_path):
+    """Rows at 0.1, 0.9, 1.7, ... s, held for 0.3 s: valid for four steps of 0.1 s each, and not for four."""
+    times = [f"{0.1 + 0.8 * k:.1f}" for k in range(60)]
+    (tmp_path / "log.csv").write_text("t,x,y,b\n" + "".join(f"{t},1,2,3\n" for t in times), "utf-8")
+    scenario |= {"step": 0.1, "duration": 48}
+    scenario["blocks"]["log"]["start"] = {"hold": 0.3}
+    valid = column(run(scenario), "w_valid")
+    assert valid[1:481] == [1, 1, 1, 1, 0, 0, 0, 0] * 60
+
+
+def test_valid_does_not_flicker_where_times_jitter_and_falls_once_in_a_gap(scenario, tmp_path):
+    rng = np.random.default_rng(1)
+    times = [k + rng.uniform(-0.2, 0.2) for k in range(1, 60) if not 30 <= k < 36]
+    (tmp_path / "log.csv").write_text("t,x,y,b\n" + "".join(f"{t:.6f},1,2,3\n" for t in times), "utf-8")
+    scenario |= {"step": 0.25, "duration": 59}
+    changes = {}
+    for hold in (0.0, 1.5):
+        scenario["blocks"]["log"]["start"] = {"hold": hold}
+        result = run(scenario)
+        changes[hold] = int(np.abs(np.diff(column(result, "w_valid"))).sum())
+        assert column(result, "w_sample")[-1] == len(times)
+    assert changes[1.5] == 3  # it rises, falls in the gap and rises behind it
+    assert changes[0.0] > 50
+
+
+def test_an_fmu_is_compared_with_ours_on_a_record(scenario, tmp_path):
+    """The estimator on a record of gyro, field and orbit, beside itself and beside itself with another noise."""
+    rng, turn = np.random.default_rng(2), 0.02
+    rows = ["t,w,b1,b2,b3,r,v"]
+    for t in (t for t in range(61) if not 20 <= t < 26):
+        c, s = np.cos(turn * t), np.sin(turn * t)
+        b = np.array((20.0 * c - 10.0 * s, -20.0 * s - 10.0 * c, 30.0)) + rng.normal(scale=0.1, size=3)
+        rows.append(",".join(f"{x:.6g}" for x in (t, turn, *b, 6878.0, 7.6)))
+    (tmp_path / "log.csv").write_text("\n".join([*rows, ""]), "utf-8")
+    columns = {
+        "omega_B_measured": {"of": "w", "unit": "rad/s", "matrix": [[0], [0], [1]]},
+        "b_B_measured": {"of": ["b1", "b2", "b3"], "unit": "uT"},
+        "r_N_measured": {"of": "r", "unit": "km", "matrix": [[1], [0], [0]]},
+        "v_N_measured": {"of": "v", "unit": "km/s", "matrix": [[0], [0], [1]]},
+    }
+    samples = {"omega_B_measured": "rate", "b_B_measured": "field", "r_N_measured": "orbit"}
+    scenario["blocks"] = {
+        "log": {"telemetry": ENTRY | {"columns": columns}},
+        "estimator": {"fmu": "estimator", "start": {"epoch": "2009-02-10T00:00:00Z"}},
+    }
+    scenario["connections"] = [f"log.{port} -> estimator.{port}" for port in columns]
+    scenario["connections"] += [f"log.{port}_sample -> estimator.{name}_sample" for port, name in samples.items()]
+    scenario |= {"step": 0.5, "duration": 60}
+    (tmp_path / "replay.yaml").write_text(yaml.safe_dump(scenario), "utf-8")
+    arguments = ("compare", "replay.yaml", "--swap", f"estimator={ensure('estimator', 'native')}", "-o", "out")
+    done = orchestrate(*arguments)
+    assert done.exit_code == 0, done.output
+    assert "equivalent: 19 of 19 outputs within tolerance" in done.stdout
+    assert (tmp_path / "out" / "comparison.html").exists()
 
 
 def test_connections_to_a_record_are_left_out_with_a_note(scenario):
