@@ -286,7 +286,6 @@ def fields(done: Study) -> dict[str, Any]:
         for e in s.edges
     ]
     free = done.free
-    told = of_spins(done.spins)
     parts = [(s.flight.name, both) for s in done.shown if (both := air_and_rest(s.edges)) is not None]
     through = [
         (sky(s.flight, a)[0], pair(s.flight, a)) for s, a in zip(done.shown, done.flown, strict=True) if a is not None
@@ -298,6 +297,7 @@ def fields(done: Study) -> dict[str, Any]:
     ]
     return {
         "records": records_,
+        "fields": [row[:4] for row in records_],
         "crossed": crossed,
         "shadow": shadow,
         "apart": " and ".join(f"{np.degrees(s.apart):.1f}" for s in done.shown),
@@ -320,13 +320,10 @@ def fields(done: Study) -> dict[str, Any]:
         "c_two": next((f"{two.rms:.1f}" for _, two in through if two is not None), "-"),
         "one_wrong": str(wrong[0]) if wrong else "-",
         "bank_wrong": "none" if not sum(wrong[1:]) else str(sum(wrong[1:])),
-        "quiet": [line for line in told if "deg off" in line],
         "common": next((f"{s.sky.common:.1f}" for s in done.shown if s.sky is not None), "-"),
         "air": " and ".join(f"{air:.1f}" for _, (air, _) in parts) or "-",
         "rest": " and ".join(f"{rest:+.1f}" for _, (_, rest) in parts) or "-",
         "forecast": "-" if free is None else f"{free.whole('forecast') / free.noise:.2f}",
-        "bias": _gyro(done.shown),
-        "inertia_bias": "" if free is None else _degrees(free.inertia.p[5:8]),
     }
 
 
@@ -350,8 +347,8 @@ PART = ("part", "rows", "field, uT rms", "attitude", "three faces, deg rms", "ro
 
 
 def _part(s: Shown) -> list[str]:
-    seen = [cell for x in (s.sky, s.pair) for cell in (("", "") if x is None else (f"{x.rms:.2f}", str(x.rows)))]
-    return [s.flight.name, str(len(s.flight.t)), f"{1e6 * s.calibration.rms:.3f}", s.attitude.verdict(), *seen]
+    seen = [cell for x in (s.sky, s.pair) for cell in (("", "") if x is None else (f"{x.rms:.1f}", str(x.rows)))]
+    return [s.flight.name, str(len(s.flight.t)), f"{1e6 * s.calibration.rms:.2f}", s.attitude.verdict(), *seen]
 
 
 def _ranges(cuts: Sequence[Shown]) -> str:
@@ -362,13 +359,3 @@ def _ranges(cuts: Sequence[Shown]) -> str:
         "two faces {}°": sorted(f"{s.pair.rms:.1f}" for s in cuts if s.pair is not None),
     }
     return ", ".join(what.format(f"{min(v)} to {max(v)}") for what, v in columns.items() if v)
-
-
-def _gyro(shown: Sequence[Shown]) -> list[list[str]]:
-    return [
-        [s.flight.name, _degrees(s.attitude.bias), ", ".join(f"{100 * x:.1f}" for x in s.attitude.scale)] for s in shown
-    ]
-
-
-def _degrees(values: Any) -> str:
-    return ", ".join(f"{np.degrees(x):.2f}" for x in values)
