@@ -172,3 +172,30 @@ def test_units_are_read_from_words_in_other_spellings():
         found = told_unit(Candidate(("a",), Variable("a", "input", description=text), 1, (), "a"), own[ours])
         assert found is not None, text
         assert found.factor == pytest.approx(parse_unit(unit).factor)
+
+
+@pytest.mark.parametrize(("words", "inverse"), [("from body to inertial", False), ("from inertial to body", True)])
+def test_a_quaternion_that_is_told_to_lead_the_other_way_is_proposed_as_the_inverse(tmp_path, words, inverse):
+    text = f"""
+[block]
+name = "team"
+description = "A controller"
+[experiment]
+stop = 1.0
+step = 0.1
+[variables.att]
+causality = "input"
+shape = [4]
+description = "Attitude quaternion, {words}, scalar last"
+start = [0.0, 0.0, 0.0, 1.0]
+[variables.torque]
+causality = "output"
+shape = [3]
+unit = "N.m"
+description = "Commanded torque"
+depends_on = ["att"]
+"""
+    fmu = fmus.write(tmp_path / "team.fmu", generated(parse(text, "team.toml"))["modelDescription.xml"])
+    (tmp_path / "proposed.yaml").write_text(suggest(check(fmu, "controller")[1]), "utf-8")
+    port = load(tmp_path / "proposed.yaml")[0].ports["R_NB"]
+    assert (port.quaternion, bool(port.inverse)) == ("scalar last", inverse)
