@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from orchestration.errors import InputError, Place, Problem, hint, reason
 from orchestration.results.data import RunData
+from orchestration.results.place import check
 from orchestration.results.whole import parsed
 
 _ELEMENT = re.compile(r"(.*?)((?:\[\d+\])+)$")
@@ -60,6 +61,7 @@ def recorded(result: RunData | Path) -> Recorded:
 
 
 def _of_folder(folder: Path) -> Recorded:
+    check(folder)
     try:
         manifest = parsed(folder / "manifest.json")
         own = [manifest.get(key, {}) for key in ("units", "parameters")] if isinstance(manifest, dict) else [None]

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestration import InputError
+from orchestration.results import place
 from orchestration.results.view import beside
 from orchestration.results.whole import parsed
 
@@ -113,6 +114,7 @@ def of_folder(folder: Path) -> Review:
 
 
 def _of_run(folder: Path) -> Review:
+    place.check(folder)
     try:
         return _made(folder, parsed(folder / "manifest.json"), parsed(folder / "expectations.json"))
     except (OSError, ValueError, KeyError, TypeError, AttributeError, IndexError, StopIteration) as error:

@@ -8,6 +8,7 @@ import click
 
 from ..campaign.sums import MANIFEST, check
 from ..errors import InputError
+from ..results import place
 from .console import open_page, say
 from .help import examples
 from .paths import PATH
@@ -34,5 +35,6 @@ def command(result_dir: Path) -> None:
         )
     if (result_dir / MANIFEST).exists():
         check(result_dir)
+    place.check(result_dir)
     say(str(page))
     open_page(page)

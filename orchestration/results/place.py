@@ -233,10 +233,23 @@ def _finish(folder: Path) -> None:
     sync(folder)
 
 
+def check(folder: Path) -> None:
+    """Holds the files of a run against the SHA-256 in its manifest.
+
+    Raises InputError, which names one that was changed.
+    """
+    files = _manifest(folder).get("files")
+    for name, value in files.items() if isinstance(files, dict) else ():
+        path = folder / Path(str(name)).name
+        if path.is_file() and value != _digest(path):
+            raise InputError(f"{path} is damaged: its SHA-256 is not the one in {MANIFEST}; remedy: the run again")
+
+
 def digests(folder: Path) -> dict[str, str]:
     """Returns the SHA-256 of each file in the folder."""
-    found = {}
-    for path in sorted(folder.iterdir()):
-        with path.open("rb") as file:
-            found[path.name] = hashlib.file_digest(file, "sha256").hexdigest()
-    return found
+    return {path.name: _digest(path) for path in sorted(folder.iterdir())}
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,5 +1,6 @@
 """`orchestrate convert` on a run of the project's own blocks, and what it refuses."""
 
+import json
 import os
 import tomllib
 from importlib.metadata import EntryPoint
@@ -126,12 +127,20 @@ def test_wrong_input_is_told_without_a_traceback(result, tmp_path, arguments, me
     assert message in done.stderr
 
 
+def unsealed(folder):
+    """Takes the hashes of a run's files out of its manifest: else they tell first."""
+    manifest = json.loads((folder / "manifest.json").read_text())
+    (folder / "manifest.json").write_text(json.dumps({**manifest, "files": {}}))
+
+
 @pytest.mark.parametrize(
     ("name", "text", "found"),
     [("manifest.json", "[]", "a manifest.json that is none"), ("signals.csv", "time,a\n", "no rows in signals.csv")],
 )
 def test_a_folder_whose_files_are_damaged_is_told_without_warnings_of_libraries(result, tmp_path, name, text, found):
-    (result.save(tmp_path / "out") / name).write_text(text)
+    folder = result.save(tmp_path / "out")
+    unsealed(folder)
+    (folder / name).write_text(text)
     done = convert(str(tmp_path / "out"), "--to", "aem")
     assert done.exit_code == 2
     assert done.stderr.count("\n") == 1
@@ -149,6 +158,7 @@ def test_what_is_not_finite_or_has_another_unit_is_refused_and_the_runs_own_file
     row = lines[3].split(",")
     row[column] = "nan"
     (folder / "signals.csv").write_text("\n".join([*lines[:3], ",".join(row), *lines[4:]]) + "\n")
+    unsealed(folder)
     told = convert(folder, "--to", "aem", "--out", tmp_path / "a.aem")
     assert told.exit_code == 2
     assert "plant.R_NB" in told.stderr

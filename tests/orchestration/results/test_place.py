@@ -185,3 +185,16 @@ def test_a_pipe_is_written_where_somebody_reads_it_and_is_an_error_where_nobody_
     whole.put(tmp_path / "pipe", "text")
     assert os.read(reader, 10) == b"text"
     os.close(reader)
+
+
+@pytest.mark.parametrize("name", ["signals.csv", "expectations.json", "report.html"])
+@pytest.mark.parametrize("command", [("view",), ("convert", "--to", "hdf5", "-o", "run.h5"), ("review", "-o", "page")])
+def test_a_file_of_a_run_that_was_changed_is_named_wherever_it_is_read(loop, name, command):
+    assert orchestrate(str(loop), "--out", "out").exit_code in (0, 1)
+    content = bytearray(Path("out", name).read_bytes())
+    at = content.rindex(b"0") if name == "signals.csv" else len(content) // 2
+    content[at] ^= 1
+    Path("out", name).write_bytes(content)
+    result = orchestrate(command[0], "out", *command[1:])
+    told = f"out/{name} is damaged: its SHA-256 is not the one in manifest.json"
+    assert (result.exit_code, told in result.stderr) == (2, True), result.output
