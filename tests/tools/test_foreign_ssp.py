@@ -16,6 +16,7 @@ import orchestration
 from orchestration import load
 from orchestration.ssp import structure
 
+from ..orchestration import fmus
 from .archives import printed, validate
 
 _NAMES = " ".join(
@@ -125,6 +126,45 @@ def test_an_archive_of_systems_within_systems_runs(loop: Path) -> None:
 def test_an_archive_runs_from_its_start_time_to_its_stop_time(loop: Path) -> None:
     foreign(top='<ssd:DefaultExperiment startTime="3" stopTime="4.5"/>')
     assert orchestration.run("foreign.ssp", {"step": 0.1}).time[-1] == 1.5
+
+
+def test_the_archive_s_duration_goes_before_those_of_its_fmus(loop: Path) -> None:
+    """Also where theirs are longer, and theirs count where the archive has none; its step is the shortest of theirs."""
+    for name, stop, step in (("motor", 9, 0.1), ("regulator", 4, 0.5)):
+        own = f'<DefaultExperiment stopTime="{stop}" stepSize="{step}"/><ModelVariables>'
+        fmus.write(Path(f"{name}.fmu"), fmus.description(name).replace("<ModelVariables>", own), fmus.library())
+    foreign(top=EXPERIMENT)
+    scenario = load("foreign.ssp")
+    assert (scenario.duration, scenario.step) == (2.0, 0.1)
+    foreign()
+    assert load("foreign.ssp").duration == 9.0
+
+
+def test_a_prefix_stands_before_the_names_of_a_binding(loop: Path) -> None:
+    text = _value("speed0", "Real", 3)
+    bound = _parameters(text).replace("<ssd:ParameterBinding>", '<ssd:ParameterBinding prefix="motor 1.">') % ""
+    foreign(system=_SYSTEM % (bound, ""), top=EXPERIMENT)
+    assert orchestration.run("foreign.ssp", {"step": 0.1})["motor_1.speed"][0] == 3.0
+
+
+def test_components_whose_names_become_alike_have_names_of_their_own(loop: Path) -> None:
+    ports = _connector("voltage", "input") + _connector("speed", "output")
+    motors = "".join(
+        _component("motor 1", ports).replace("motor 1", name) for name in ("motor 1", "motor-1", "motor+1", "motor.1")
+    )
+    fed = _connection("regulator.voltage", "motor+1.voltage")
+    foreign(system=_system('name="all"', "", motors + _REGULATOR, fed), top=EXPERIMENT)
+    scenario = load("foreign.ssp", {"step": 0.1})
+    assert list(scenario.blocks) == ["motor_1", "motor_1_2", "motor_1_3", "motor_1_4", "regulator"]
+    assert scenario.connections == ["regulator.voltage -> motor_1_3.voltage"]
+
+
+def test_a_value_of_an_input_that_is_fed_counts_where_the_archive_has_delays(loop: Path) -> None:
+    given = _VALUES + _value("motor 1.voltage", "Real", 4)
+    foreign(values=given, top=EXPERIMENT)
+    assert "voltage" not in load("foreign.ssp", {"step": 0.1}).blocks["motor_1"].start
+    foreign(values=given, top=_annotated({"delays": ["motor_1.voltage"]}))
+    assert load("foreign.ssp", {"step": 0.1}).blocks["motor_1"].start["voltage"] == 4.0
 
 
 def test_a_value_of_the_system_beats_that_of_its_element(loop: Path) -> None:
