@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from orchestration import load, run
 from orchestration.fmu.model import Floats
+from orchestration.master.circuit import Circuit
 from orchestration.session.flight import fly
 from orchestration.session.open import open_scenario
 from orchestration.session.session import Session
@@ -38,3 +40,25 @@ def test_each_flight_with_a_fault_in_an_exchange_ends_as_a_run_does(kind: str) -
             flown = fly(session, {}, [last], nodes)
             assert flown.reason is None
             np.testing.assert_array_equal([last.values[node] for node in nodes], wanted)
+
+
+def test_each_flight_has_its_own_circuit_and_columns_on_the_instances_of_the_last(loop: Path) -> None:
+    """Motor and regulator, exchanged in turn and at once; flown alone, and one after the other."""
+    opened = open_scenario(load(loop))
+    plan = opened.plan
+    at_once = replace(plan.circuit, parallel=not plan.circuit.parallel)
+    nodes = [node for node in plan.columns if node.element.variable in ("speed", "voltage")]
+    asked = [(circuit, [node]) for circuit in (plan.circuit, at_once) for node in nodes]
+
+    def flown(session: Session, circuit: Circuit, columns: list[Node]) -> tuple[list[Node], list[float]]:
+        recording = session.fly(plan.starts, columns=columns, circuit=circuit).whole()
+        return recording.columns, recording.values[:, 0].tolist()
+
+    alone = []
+    for circuit, columns in asked:
+        with Session(opened, resets=True) as session:
+            alone.append(flown(session, circuit, columns))
+    assert len({str(values) for _, values in alone}) == len(asked)
+    with Session(opened, resets=True) as session:
+        for _ in range(2):
+            assert [flown(session, *one) for one in asked] == alone
