@@ -1,4 +1,4 @@
-"""The table of wrong wirings: how many of each port, how many are detected, when the first and the last, and by what."""
+"""The table of wrong wirings: how many of each port, how many are detected, when first and last, and by what."""
 
 from __future__ import annotations
 

@@ -54,6 +54,23 @@ def test_a_difference_that_only_a_wide_tolerance_allows_is_no_plain_ok(wanted, p
     assert (d.passed, status(d), d.share, d.rms_share) == (passed, word, 0.5, pytest.approx(0.5 / 3**0.5))
 
 
+def test_the_rms_of_a_vector_is_that_of_its_worst_element_and_the_time_that_of_its_largest_difference():
+    variable = Variable("torque", "output", shape=(3,), unit=parse_unit("N.m"))
+    bound = tolerances((), Model("regulator", {"torque": variable}))["torque"]
+    theirs = np.array([[1.0, 1.0, 1.0], [1.0, 1.25, 1.0], [1.0, 0.5, 1.0]])
+    d = difference(variable, np.ones((3, 3)), theirs, TIME, bound)
+    assert (d.largest, d.element, d.time) == (0.5, variable.label(1), 2.0)
+    assert d.rms == pytest.approx(((0.25**2 + 0.5**2) / 3) ** 0.5)
+
+
+def test_of_flags_the_share_of_samples_with_a_difference_counts_and_the_first_is_told():
+    variable = Variable("lost", "output", "boolean", shape=(2,))
+    bound = tolerances((), Model("regulator", {"lost": variable}))["lost"]
+    theirs = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    d = difference(variable, np.zeros((3, 2)), theirs, TIME, bound)
+    assert (d.largest, d.time, d.note, d.passed) == (pytest.approx(2.0 / 3.0), 1.0, "2 of 3 samples", False)
+
+
 def test_a_tolerance_of_the_rms_alone_leaves_the_default_for_the_largest(tmp_path):
     path = tmp_path / "t.yaml"
     path.write_text("torque: {rms: 1 N.m}\n")
