@@ -54,10 +54,7 @@ def check_writable(folder: Path) -> None:
 
 def refuse_links(folder: Path) -> None:
     """Refuses a folder of results in which something is a link, since a command would write beyond the folder, or a
-    pipe, a socket or a device, for which it would wait. Raises InputError.
-
-    The files of a run take the place of such, and hidden files are no one's.
-    """
+    pipe, a socket or a device, for which it would wait. Raises InputError. A run's files take the place of such."""
     with suppress(OSError):  # it is not there
         for path in sorted(folder.iterdir()):
             if path.name in FILES or path.name.startswith("."):
@@ -234,10 +231,7 @@ def _finish(folder: Path) -> None:
 
 
 def check(folder: Path) -> None:
-    """Holds the files of a run against the SHA-256 in its manifest.
-
-    Raises InputError, which names one that was changed.
-    """
+    """Holds the files of a run against the SHA-256 in its manifest. Raises InputError, which names a changed one."""
     files = _manifest(folder).get("files")
     for name, value in files.items() if isinstance(files, dict) else ():
         path = folder / Path(str(name)).name
