@@ -36,8 +36,7 @@ class Line:
 
 def row(subject: str, lines: Sequence[Line]) -> list[str]:
     """A subject as the page shows it."""
-    sources = dict.fromkeys(source for line in lines for source in line.source.split("; "))
-    return [subject, f"{len(lines)}", f"{max(line.share for line in lines):.2f}", "; ".join(sources)]
+    return [subject, f"{len(lines)}", f"{max(line.share for line in lines):.2f}"]
 
 
 def write() -> Path:
