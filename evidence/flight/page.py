@@ -46,7 +46,7 @@ def text(flights: Flights) -> str:
         early=f"{EARLY / ORBIT:.1f}",
         hold_s=f"{HOLD:.0f}",
         results=[row for row in _results(flights) if row[2] != "0%"],
-        none="; ".join(row[0] for row in _results(flights) if row[2] == "0%"),
+        unsettled="; ".join(row[0] for row in _results(flights) if row[2] == "0%"),
         tuned_K=f"{TUNED['K0'][1]:.3g}",
         tuned_L=f"{TUNED['L0'][0][0]:.3g}",
         failures=_failures(flights),
