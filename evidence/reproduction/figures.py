@@ -191,7 +191,6 @@ _FIGURES = {
     "lyapunov": lyapunov,
     "momentum": momentum,
     "nodes": maps.nodes,
-    "gains": maps.gains,
     "latch": latch,
     "convergence": convergence,
     "robustness": robustness,

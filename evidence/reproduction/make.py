@@ -53,7 +53,7 @@ def campaigns() -> list[Part]:
     One that returns a dictionary has a result for each manoeuvre.
     """
     made: list[Part] = [("node and K0", sweep.node_and_gain, ()), ("one by one", sweep.one_by_one, ())]
-    made += [("K0 and L0", sweep.gains, ()), ("SI for an orbit", sweep.si_for_an_orbit, ())]
+    made += [("SI for an orbit", sweep.si_for_an_orbit, ())]
     made += [(f"latch {k:g} {d:g}", sweep.latch, (k, d)) for k, d in ((0.65, 0.9), (0.4, 1.0))]
     return [*made, ("wrong inertia", sweep.inertia_errors, ()), ("drag", sweep.drag, ())]
 

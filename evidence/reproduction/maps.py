@@ -59,15 +59,3 @@ def nodes(done: dict[str, Any]) -> Any:
         ("node longitude, °E", "scale of K₀, N m (before /50)"),
         (158.0, 0.65),
     )
-
-
-def gains(done: dict[str, Any]) -> Any:
-    """The scale of K0 against that of L0."""
-    return _maps(
-        done,
-        "K0 and L0",
-        sweep.K_SCALES,
-        sweep.L_SCALES,
-        ("scale of K₀, N m (before /50)", "scale of L₀, N m s (before /50)"),
-        (0.65, 0.9),
-    )

@@ -22,7 +22,6 @@ from .seen import Seen
 
 NODES = np.arange(0.0, 360.0, 5.0)
 K_SCALES = np.round(np.arange(0.20, 1.5001, 0.05), 3)
-L_SCALES = np.round(np.arange(0.40, 1.6001, 0.05), 3)
 
 
 @dataclass(frozen=True)
@@ -98,11 +97,6 @@ def one_by_one(hands: Crew) -> dict[str, list[Seen]]:
 def node_and_gain(hands: Crew) -> dict[str, Seen]:
     """Every node longitude with every scale of K0; rows K_SCALES, columns NODES, flattened."""
     return _both(hands, "node_and_K0", [constants(k=float(k)) | node(x) for k in K_SCALES for x in NODES])
-
-
-def gains(hands: Crew) -> dict[str, Seen]:
-    """Every scale of K0 with every scale of L0; rows L_SCALES, columns K_SCALES, flattened."""
-    return _both(hands, "K0_and_L0", [constants(k=float(k), l=float(l)) for l in L_SCALES for k in K_SCALES])  # noqa: E741
 
 
 def si_for_an_orbit(hands: Crew) -> dict[str, Seen]:
