@@ -92,7 +92,6 @@ def _weights(done: Mapping[str, Flown], start: float) -> list[list[str]]:
 
 
 _OF_WEIGHTS = {
-    "settled": lambda f: f"{int(np.isfinite(f.settled).sum())}",
     "kept": lambda f: f"{int(f.kept.sum())}",
     "largest wheel momentum in the hold, median": lambda f: f"{1e3 * np.median(f.wheel_later):.2f}",
 }

@@ -65,8 +65,8 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
 
 def _row(flights: Flights, name: str) -> list[str]:
     """Returns what became of a satellite's tumbles."""
-    settled, median, worst, *_ = _became(flights.of(name, "nominal"))
-    return [name, settled, median, worst, *_became(flights.of(name, "errors"))]
+    settled, median, *_ = _became(flights.of(name, "nominal"))
+    return [name, settled, median, *_became(flights.of(name, "errors"))]
 
 
 def _became(lines: Sequence[Mapping[str, str]]) -> list[str]:
