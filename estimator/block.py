@@ -28,7 +28,6 @@ R_MIN = 1e6
 """m"""
 STEP_MAX = 1000.0
 """s"""
-_MEASURED = "omega_B_measured b_B_measured r_N_measured v_N_measured sun_B_measured sun_sensors R_NB_measured".split()
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ from controller.gains import attitude_scale, rate_scale
 from ..paper import ORBIT, Array
 
 ORBITAL_RATE = 2.0 * math.pi / ORBIT
-EQUILIBRIA = ("I", "half turn about e1", "half turn about e2", "half turn about e3")
 SIGNS = np.array(((1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)))
 
 

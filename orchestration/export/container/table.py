@@ -12,7 +12,6 @@ from .inside import Inside
 
 MAGIC = b"CNTNR1"
 _NO_BLOCK = 0xFFFFFFFF
-_STRING = 3
 
 
 def table(system: System, inside: Sequence[Inside], guid: str) -> bytes:
