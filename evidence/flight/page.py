@@ -58,6 +58,7 @@ def text(flights: Flights) -> str:
         tries=tries,
         tried=[row for row in tried if row not in sound and row not in found],
         found="; ".join(row[0] for row in found),
+        conditions=len(tried),
         sound=len(sound),
         sound_median=f"{min(row[2] for row in sound)} to {max(row[2] for row in sound)}" if sound else "",
         sound_worst=max((row[3] for row in sound), default=""),
