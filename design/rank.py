@@ -26,6 +26,8 @@ from orchestration.scenario.source import Source
 from orchestration.session.read import read
 from orchestration.session.run import whole
 
+from .allocated import allocated
+
 LAWS = Path(__file__).parent / "laws"
 COMPARED = ("bdot", "pd", "unloading", "lqr", "paper")
 ERROR, WHEELS = "judge.attitude_error", "plant.h_w"
@@ -69,24 +71,20 @@ def tumbles(count: int, rate: float, seed: int) -> list[dict[str, Any]]:
     return drawn
 
 
-def with_law(source: Source, place: str, law: Path | None) -> Source:
+def with_law(source: Source, place: str, law: Path) -> Source:
     """Returns the scenario with a law in the place of a block, with the ports of what stood there."""
-    if law is None:
-        return source
     entry = dict(source.data["blocks"][place])
     entry["interface"] = entry.get("interface") or entry.pop("fmu", place)
     entry.pop("fmu", None)
     return source.with_entry(("blocks", place), {**entry, "python": str(law.resolve())})
 
 
-def ranked(
-    source: Source, laws: Mapping[str, Path | None], starts: Sequence[Mapping[str, Any]], below: float, place: str
-) -> list[Row]:
-    """Flies each law on each tumble and returns its rows, the one that settles most and soonest first.
+def ranked(laws: Mapping[str, Source], starts: Sequence[Mapping[str, Any]], below: float) -> list[Row]:
+    """Flies the scenario of each law on each tumble and returns its rows, the one that settles most and soonest first.
 
     `below` rad is the error below which a flight is settled for good. Raises InputError.
     """
-    rows = [_row(name, with_law(source, place, law), starts, below) for name, law in laws.items()]
+    rows = [_row(name, source, starts, below) for name, source in laws.items()]
     return sorted(rows, key=lambda row: (-row.settled, row.median, row.rms))
 
 
@@ -123,13 +121,21 @@ def _row(name: str, source: Source, starts: Sequence[Mapping[str, Any]], below: 
     )
 
 
-def _compared(entry: Mapping[str, Any]) -> dict[str, Path]:
-    """Returns the laws to compare with that can stand in the place of a block; none of one that commands actuators."""
+def compared(source: Source, place: str) -> dict[str, Source]:
+    """Returns by name the scenarios to compare with: the file's own, and laws that demand a torque in the place of a
+    block. Where that block commands a set of wheels, the bounded allocator stands behind them, and the planned
+    controller flies, too; none where it commands anything else."""
+    entry = source.data["blocks"][place]
     kind = entry.get("interface") or entry.get("fmu")
-    if kind in BLOCKS and "tau_cmd_B" not in interface(kind).variables:
-        say(f"note: {', '.join(COMPARED)} are left out: they give tau_cmd_B, which {kind} does not have", error=True)
-        return {}
-    return {name: LAWS / f"{name}.py" for name in COMPARED}
+    outputs = set(interface(kind).variables) if kind in BLOCKS else {"tau_cmd_B"}
+    files = {name: LAWS / f"{name}.py" for name in COMPARED}
+    if "tau_cmd_B" in outputs:
+        return {OWN: source, **{name: with_law(source, place, file) for name, file in files.items()}}
+    if kind == "controller_wheels":
+        laws = {name: allocated(source, place, file) for name, file in files.items()}
+        return {OWN: source, **laws, "planned": allocated(source, place, None)}
+    say(f"note: {', '.join(COMPARED)} are left out: they give tau_cmd_B, which {kind} does not have", error=True)
+    return {OWN: source}
 
 
 @click.command(
@@ -187,13 +193,15 @@ def command(
     source = source.with_entry(("record",), {"interval": "2 s", "signals": [ERROR, WHEELS]})
     if duration is not None:
         source = source.with_value("duration", duration, "--duration")
-    flown: dict[str, Path | None] = {} if alone else {OWN: None, **_compared(source.data["blocks"][place])}
+    flown = {} if alone else compared(source, place)
+    own = dict.fromkeys(flown, "a law to compare with, unless --alone is given")
     for law in laws:
-        if law.stem in flown:
-            which = "a law to compare with, unless --alone is given" if law.stem in COMPARED else str(flown[law.stem])
-            raise InputError(f"{law}: the name {law.stem!r} is that of {which}; remedy: another name of the file")
-        flown[law.stem] = law
-    rows = ranked(source, flown, tumbles(runs, math.radians(rate), seed), math.radians(below), place)
+        if law.stem in own:
+            raise InputError(
+                f"{law}: the name {law.stem!r} is that of {own[law.stem]}; remedy: another name of the file"
+            )
+        flown[law.stem], own[law.stem] = with_law(source, place, law), str(law)
+    rows = ranked(flown, tumbles(runs, math.radians(rate), seed), math.radians(below))
     say_table(
         ("law", "settled", "median, s", "worst, s", "rms after, deg", "largest after, deg", "wheel, N.m.s"),
         [

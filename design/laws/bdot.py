@@ -17,4 +17,4 @@ def step(inputs: Any, parameters: Any, t: float, h: float) -> dict[str, Any]:
     dipole = np.linalg.solve(parameters.rod_axes.T, -k / (b @ b) * np.cross(b, inputs.omega_B))
     limit = parameters.dipole_max * parameters.rod_limits
     dipole = dipole / max(1.0, float(np.abs(dipole / limit).max()))
-    return {"tau_cmd_B": np.zeros(3), "dipole_ff": dipole, "wheel_torque_ff": 0.0}
+    return {"tau_cmd_B": np.zeros(3), "dipole_ff": dipole, "wheel_torque_ff": 0.0 * inputs.h_w}

@@ -10,6 +10,7 @@ import pytest
 
 from design import rank
 from design.laws import bdot, lqr, paper, pd, unloading
+from orchestration.session.read import read
 from tests.commands import orchestrate
 
 SCENARIO = "scenarios/flight_tumble.yaml"
@@ -27,7 +28,7 @@ def seen(**changes):
         "r_N": r,
         "v_N": v,
     }
-    rest["b_B"] = np.array([2e-5, 1e-5, -3e-5])
+    rest["b_B"], rest["h_w"] = np.array([2e-5, 1e-5, -3e-5]), 0.0
     return SimpleNamespace(**{**rest, **changes})
 
 
@@ -72,7 +73,7 @@ def test_b_dot_takes_the_rate_across_the_field_away_as_its_gain_says():
 
 
 def test_the_unloading_law_is_quaternion_feedback_with_a_wheel_that_empties_in_its_time():
-    p = SimpleNamespace(**vars(P), unloading_time=600.0)
+    p = SimpleNamespace(**vars(P), emptied_in=600.0)
     turned = seen(omega_B=np.array([1e-3, -2e-3, 3e-3]), h_w=-1.2e-3)
     found = unloading.step(turned, p, 0.0, 0.5)
     assert found["wheel_torque_ff"] == pytest.approx(2e-6)
@@ -113,13 +114,26 @@ def test_a_law_that_fails_is_counted_and_told(tmp_path):
     assert "0 of 1" in result.stdout
 
 
-def test_laws_that_give_a_torque_are_left_out_where_actuators_are_commanded(tmp_path):
+def test_behind_a_law_of_a_set_of_wheels_stands_the_allocator_as_in_the_planned_pyramid():
+    pyramid, planned = (read(Path(f"scenarios/flight_pyramid{end}.yaml")) for end in ("", "_planned"))
+    made = rank.allocated(pyramid, "controller", None)
+    blocks = made.data["blocks"]
+    assert set(made.data["connections"]) == set(planned.data["connections"])
+    assert {n: b["fmu"] for n, b in blocks.items()} == {n: b["fmu"] for n, b in planned.data["blocks"].items()}
+
+
+def test_laws_that_give_a_torque_fly_a_set_of_wheels_beside_one_that_commands_them(tmp_path):
     law = tmp_path / "rest.py"
     law.write_text("def step(i, p, t, h):\n    return {'dipole_cmd': [0.0] * 3, 'wheel_torque_cmd': [0.0] * 4}\n")
-    result = orchestrate("rank", law, "--scenario", "scenarios/flight_pyramid.yaml", "--runs", 1, "--duration", "4 s")
+    table = tmp_path / "ranked.csv"
+    arguments = ("--runs", 1, "--duration", "200 s", "--below", 30, "--rate", 0.5, "--out", table)
+    result = orchestrate("rank", law, "--scenario", "scenarios/flight_pyramid.yaml", *arguments)
     assert result.exit_code == 0, result.stderr
-    assert "bdot, pd, unloading, lqr, paper are left out" in result.stderr
-    assert [name in result.stdout for name in ("rest", rank.OWN, "bdot")] == [True, True, False]
+    rows = {row["law"]: row for row in csv.DictReader(table.open())}
+    assert set(rows) == {"rest", rank.OWN, "planned", *rank.COMPARED}
+    assert rows["rest"]["settled"] == "0"
+    assert all(rows[name]["settled"] == "1" for name in (rank.OWN, "planned"))
+    assert float(rows["planned"]["median"]) < float(rows[rank.OWN]["median"])
 
 
 @pytest.mark.parametrize(
