@@ -1,0 +1,46 @@
+"""The rows of a campaign as they come, in any order, and are taken back."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from orchestration.campaign.flying.dataset import Dataset
+from orchestration.campaign.flying.job import FAILED, OK
+
+KINDS = [("index", "int64"), ("status", "string"), ("reason", "string"), ("met: a", "bool")]
+
+
+@pytest.fixture
+def data(tmp_path):
+    """Six runs with one requirement, of which nothing has been flown; each part is written when it is asked for."""
+    job = SimpleNamespace(columns=KINDS, requirements=[SimpleNamespace(name="a")])
+    return Dataset(tmp_path, job, 6, listed=lambda: None)
+
+
+def test_the_reason_is_that_of_the_first_run_that_failed_whatever_fails_later(data):
+    data.add([[0, OK, "", True]])
+    data.add([[2, FAILED, "no room", False]])
+    data.add([[1, FAILED, "too fast", False]])
+    assert (data.reason, data.done.tolist(), data.failed.tolist()) == (
+        "no room",
+        [True, True, True, False, False, False],
+        [False, True, True, False, False, False],
+    )
+
+
+@pytest.mark.parametrize("flushed", [False, True])
+def test_a_row_that_is_taken_back_leaves_nothing_and_another_takes_its_place(data, flushed):
+    data.add([[0, FAILED, "a", False], [1, OK, "", True], [2, FAILED, "b", False]])
+    if flushed:
+        data.flush()
+    data.withdraw([0, 1])
+    assert (data.done.sum(), data.failed.sum(), data.met["a"].sum()) == (1, 1, 0)
+    data.flush()
+    assert data.row(2) == [2, FAILED, "b", False]
+    data.add([[0, OK, "", True], [1, OK, "", False]])
+    data.flush()
+    assert [data.row(i) for i in range(3)] == [[0, OK, "", True], [1, OK, "", False], [2, FAILED, "b", False]]
+    assert (data.done.sum(), data.failed.sum(), data.met["a"].sum()) == (3, 1, 1)
+    assert len(data.files) == len(list(data.folder.glob("*.parquet")))
