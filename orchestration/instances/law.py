@@ -21,6 +21,8 @@ from ..fmu.model import Element, Floats, Model, Variable
 from .guest import TRACE
 
 SUFFIX = ".py"
+ESTIMATE = "_estimate"
+"""At the end of an output's name: where others take it in and a law leaves it out, it is the input of that name."""
 _RAISED = (Exception, SystemExit, GeneratorExit)
 """What a law may end with; it is the block's error, and no end of the run but by its status."""
 
@@ -28,7 +30,8 @@ _RAISED = (Exception, SystemExit, GeneratorExit)
 class Law:
     """An instance. `inputs` and `parameters` are given to the law as attributes by the names of the ports, in SI units:
     numbers, arrays of the port's shape, items of enumerations by their names. It returns a mapping from names of
-    outputs to values; what it leaves out keeps its last value, zero at first, but for what other blocks take in.
+    outputs to values; what it leaves out keeps its last value, zero at first, but for what other blocks take in, and
+    for an estimate of an input, which is the input itself.
 
     t s is the instant of the inputs, h s the time since the last call; at t = 0 h is 0.
     """
@@ -151,6 +154,9 @@ class Law:
             if array.shape != variable.shape:
                 raise self._refused(f"{name}: expected {variable.kind}, found one of shape {list(array.shape)}")
             flat[name] = array.ravel()
+        for name in self.model.needed:
+            if name not in given and (seen := getattr(inputs, name.removesuffix(ESTIMATE), None)) is not None:
+                flat[name] = np.asarray(seen, np.float64).ravel()
         if missing := self.model.needed - flat.keys():
             raise self._refused(
                 f"expected {', '.join(sorted(missing))}, which other blocks take in, found {list(given)}"

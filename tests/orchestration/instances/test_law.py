@@ -57,6 +57,26 @@ def test_its_outputs_are_those_of_its_inputs_at_the_same_instant(tmp_path):
     assert np.abs(expected).max() > 1e-5
 
 
+@pytest.mark.parametrize(("text", "seen"), [("{}", [3.0, 5.0]), ("{'u_estimate': 7.0}", [7.0, 7.0])])
+def test_an_estimate_of_an_input_that_it_leaves_out_is_the_input_at_each_step(tmp_path, text, seen):
+    kind = model("kind", real("u", "input"), real("u_estimate", "output"), real("y", "output"))
+    (tmp_path / "law.py").write_text(f"def step(i, p, t, h):\n    return {text}\n")
+    law = Law("law", replace(kind, needed=frozenset({"u_estimate"})), tmp_path / "law.py")
+    u, out = Element("u", 0), Element("u_estimate", 0)
+    law.set([(u, 3.0)])
+    law.leave()
+    into = np.zeros(1)
+    takes = law.wire([u], [out], [0], into)
+    found = list(into)
+    takes[0] = 5.0
+    law.do_step(0.0, 1.0)
+    law.get_all()
+    assert [*found, *into] == seen
+    law = Law("law", replace(kind, needed=frozenset({"y"})), tmp_path / "law.py")
+    with pytest.raises(BlockError, match="expected y, which other blocks take in"):
+        law.leave()
+
+
 def test_in_a_process_of_its_own_it_gives_the_same(tmp_path):
     both = [flown(tmp_path, DAMPING, 2.0, isolation=kind)["plant.omega_B"] for kind in ("none", "process")]
     np.testing.assert_array_equal(*both)
