@@ -91,6 +91,10 @@ bool controller_planned_wheels_take_sample(const ControllerPlannedWheelsLaw *law
     }
     s->H = subtract(subtract(add(apply(law->J, Omega), s->h), law->h_target), of_target);
     take_wheels(law, failed, s);
+    for (int i = 0; i < law->p.wheels && s->reduced; ++i) { /* no other wheel can carry what a failed one has */
+        const Vector stays = apply_transposed(s->Q, scale(s->works[i] ? 0.0 : u->h_w[i], law->axes[i]));
+        s->H = subtract(s->H, stays);
+    }
     return true;
 }
 

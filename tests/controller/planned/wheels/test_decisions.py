@@ -122,3 +122,13 @@ def test_momentum_along_the_field_is_shed_in_less_than_five_times_the_proven_lea
     assert least is not None
     assert 50.0 < least < seen.phase.index(DAMP) * H < 5.0 * least
     assert seen.phases == [SHED, DAMP, TURN, HOLD]
+
+
+def test_the_momentum_of_a_stuck_wheel_that_no_other_can_carry_stays_in_the_body() -> None:
+    seen = {"omega_B": [0.0] * 3, "h_w": [0.0, 0.01, 0.0, 0.0], "b_B": [2e-5, 1e-5, -3e-5], "reference": "inertial"}
+    for wheels, rests in ((3, True), (4, False)):
+        with running(
+            "controller_planned_wheels", **SETS[wheels], **seen, wheel_failed=[False, True, False, False]
+        ) as it:
+            assert it.get("reduced") == rests
+            assert (np.abs(it.get("dipole_ff")).max() < 1e-9) == rests
