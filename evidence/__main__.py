@@ -48,6 +48,7 @@ from .satellites.searched import BOUNDS
 from .sensors import make as sensor_figures
 from .trace import matrix as traced
 from .verification import page as verified
+from .wheels import make as wheels_flown
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -248,6 +249,15 @@ def satellites(jobs: int, cases: int, page: bool, bounds: bool) -> None:
         for line in bound_search.make(jobs, load(docs / SATELLITES), docs / BOUNDS):
             say(line)
     say(f"written: {satellites_flown.write() if page or bounds else satellites_flown.make(cases, jobs)}")
+
+
+@main.command()
+@_jobs
+@click.option("--cases", default=20, show_default=True, type=click.IntRange(2, 1000), help="Tumbles of each kind.")
+@click.option("--page", is_flag=True, help="Write the page from docs/evidence/wheels.csv, without flying.")
+def wheels(jobs: int, cases: int, page: bool) -> None:
+    """Fly satellites with three and four wheels, and make docs/evidence/wheels.md; one that was interrupted goes on."""
+    say(f"written: {wheels_flown.write() if page else wheels_flown.make(cases, jobs)}")
 
 
 @main.command()

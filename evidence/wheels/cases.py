@@ -106,7 +106,13 @@ def _dead(*after: int) -> str:
 CONDITIONS = {
     "nominal": Condition("perfect sensors and actuators"),
     "errors": Condition("all errors", errors=True),
+    "estimated": Condition("all errors, attitude estimated with the star tracker", errors=True, estimated=True),
+    "one dead": Condition("a wheel dead", vary={"plant.wheel_gain": _dead(0)}),
+    "two dead": Condition("two wheels dead", vary={"plant.wheel_gain": _dead(0, 1)}),
+    "all dead": Condition("all wheels dead", vary={"plant.wheel_gain": "[0, 0, 0, 0]"}),
 }
+"""Errors are those of docs/evidence/satellites.md; gains of the wheels' drives 5% off, friction of 0 to 2% of the
+torque. Dead, weak or reversed wheels are so from the start."""
 
 
 def of_four(values: Any) -> list[Any]:
@@ -188,3 +194,13 @@ def metrics() -> list[Data]:
         "dipole": {"signal": "plant.dipole", "measure": "norm", "statistic": "rms", **last},
     }
     return [{"name": name, **metric} for name, metric in found.items()]
+
+
+def all_flights() -> list[Flights]:
+    """All that is flown, in this order; with two and all wheels dead only the set of three."""
+    return [
+        Flights(satellite, condition)
+        for condition in CONDITIONS
+        for satellite, axes in WHEELS.items()
+        if condition not in ("two dead", "all dead") or len(axes) == 3
+    ]

@@ -1,0 +1,68 @@
+"""docs/evidence/wheels.csv: a line for each flight; docs/evidence/wheels.md is made from it.
+Tests: tests/evidence/wheels/test_wheels.py."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from orchestration.campaign.flying.rows import Rows
+
+from ..flight.cases import HOLD
+from ..paper import Array
+from ..satellites.classes import CLASSES
+from .cases import DURATION, Flights
+
+FILE = "wheels.csv"
+REMEDY = "python -m evidence wheels"
+
+
+@dataclass(frozen=True)
+class Flown:
+    """A flight: deg, deg/s and s; inf where it does not settle, NaN for a run that failed or no bound within an
+    hour and 40 minutes."""
+
+    satellite: str
+    condition: str
+    run: int
+    inclination: float
+    rate: float
+    settled_5: float
+    settled_1: float
+    hold_rms: float
+    hold_max: float
+    wheel_share: float
+    least_time: float
+
+    @property
+    def settled(self) -> bool:
+        return math.isfinite(self.settled_5)
+
+
+def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> Iterable[Flown]:
+    """The flights of a campaign, with the least time of each where it is known."""
+    value = {metric["name"]: rows.numbers(metric["name"]) for metric in rows.manifest["metrics"]}
+
+    def until(angle: str) -> Array:
+        times = np.nan_to_num(np.maximum(value[angle], value["rate"]), nan=math.inf)
+        return np.where(times <= DURATION - HOLD, times, math.inf)
+
+    five, one = until("angle_5"), until("angle_1")
+    drawn = flights.drawn(max(rows.index.tolist()) + 1)
+    for i, run in enumerate(rows.index.tolist()):
+        yield Flown(  # settled within the last HOLD counts as never
+            flights.satellite,
+            flights.condition,
+            run,
+            math.degrees(drawn[run]["plant.inclination"]),
+            math.degrees(value["initial_rate"][i]),
+            five[i],
+            one[i],
+            math.degrees(value["hold_rms"][i]),
+            math.degrees(value["hold_max"][i]),
+            value["wheel_max"][i] / CLASSES[flights.satellite].wheel_momentum_max,
+            math.nan if run >= len(bounds) or bounds[run] is None else float(bounds[run] or 0.0),
+        )

@@ -1,0 +1,104 @@
+"""The tables and the figure of docs/evidence/wheels.md; page.md.j2 has the words.
+Tests: tests/evidence/wheels/test_wheels.py."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import markdown
+from ..markdown import degrees
+from ..plots import BLUE, RED, name_axes, panels
+from .cases import CONDITIONS, DURATION, ORBIT, WHEELS
+from .kept import Flown
+
+HOLDS = {"nominal": 0.005, "estimated": 0.02}
+"""deg rms: the requirements of the hold."""
+
+
+def text(flown: Sequence[Flown]) -> str:
+    """Returns the page."""
+    healthy = [f for f in flown if f.condition in ("nominal", "errors", "estimated")]
+    least = [f.settled_5 / f.least_time for f in flown if f.condition == "nominal" and f.least_time > 60.0]
+    return markdown.render(
+        Path(__file__).parent,
+        healthy=_count(healthy),
+        times=_quantiles([f for f in flown if f.condition == "nominal"]),
+        holds=[_hold(flown, name, limit) for name, limit in HOLDS.items()],
+        one_of_four=_count([f for f in flown if f.condition == "one dead" and len(WHEELS[f.satellite]) == 4]),
+        one_of_three=_count([f for f in flown if f.condition == "one dead" and len(WHEELS[f.satellite]) == 3]),
+        fewer=_count([f for f in flown if f.condition in ("two dead", "all dead")]),
+        rows=[row for name in WHEELS for row in _rows(flown, name)],
+        ratios=f"{np.median(least):.1f}, at most {max(least):.1f}, of {len(least)}" if least else "not known",
+        most=max((f.run + 1 for f in flown), default=0),
+        cases=len(flown),
+        duration=f"{DURATION:,.0f}",
+        orbit=f"{ORBIT:,.0f}",
+    )
+
+
+def _count(flown: Sequence[Flown]) -> str:
+    return f"{sum(f.settled for f in flown)} of {len(flown)}"
+
+
+def _quantiles(flown: Sequence[Flown]) -> str:
+    found = []
+    for name in WHEELS:
+        times = [f.settled_5 for f in flown if f.satellite == name]
+        if times:
+            found.append(f"{name} {np.quantile(times, 0.5, method='higher'):,.0f} s and {max(times):,.0f} s")
+    return "; ".join(found)
+
+
+def _hold(flown: Sequence[Flown], condition: str, limit: float) -> str:
+    settled = [f for f in flown if f.condition == condition and f.settled]
+    met = sum(f.hold_rms < limit for f in settled)
+    worst = degrees(max((f.hold_rms for f in settled), default=float("nan")))
+    return f"{CONDITIONS[condition].text}: below {limit:g}° rms in {met} of {len(settled)}, worst {worst}"
+
+
+def _rows(flown: Sequence[Flown], satellite: str) -> list[list[str]]:
+    rows = []
+    for name, condition in CONDITIONS.items():
+        those = [f for f in flown if (f.satellite, f.condition) == (satellite, name)]
+        if not those:
+            continue
+        settled = [f for f in those if f.settled]
+        times = [f"{f(x.settled_5 for x in those):,.0f}".replace("inf", "–") for f in (_median, max)]
+        steep = [f for f in those if f.inclination >= 30.0]
+        hold = [degrees(f(x.hold_rms for x in settled)) if settled else "–" for f in (_median, max)]
+        share = f"{max(x.wheel_share for x in settled):.2f}" if settled else "–"
+        rows.append([satellite, condition.text, _count(those), _count(steep), *times, *hold, share])
+    return rows
+
+
+def _median(values: Any) -> float:
+    return float(np.quantile(list(values), 0.5, method="higher"))
+
+
+def figure(flown: Sequence[Flown]) -> Any:
+    """Returns when each flight settled."""
+    drawn, axes = panels(1, 1, 8.6, 4.8)
+    ax, names = axes[0, 0], []
+    for satellite in reversed(WHEELS):
+        for name, condition in reversed(CONDITIONS.items()):
+            those = [f for f in flown if (f.satellite, f.condition) == (satellite, name)]
+            if those:
+                times = np.array([f.settled_5 for f in those if f.settled]) / 60.0
+                colour = RED if "dead" in name else BLUE
+                ax.scatter(times, np.full(len(times), len(names)), s=9, color=colour, alpha=0.6, linewidths=0)
+                ax.annotate(
+                    f"{len(times)} of {len(those)}",
+                    (1.01, len(names)),
+                    xycoords=("axes fraction", "data"),
+                    fontsize=7,
+                    va="center",
+                )
+                names.append(f"{satellite}, {name}")
+    ax.set_xscale("log")
+    ax.set_yticks(range(len(names)), names, fontsize=8)
+    name_axes(ax, "settled below 5° after, minutes; at the right how many", "", "tumbles with sets of wheels")
+    return drawn
