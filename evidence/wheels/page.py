@@ -84,7 +84,7 @@ def figure(flown: Sequence[Flown]) -> Any:
     drawn, axes = panels(1, 1, 8.6, 4.8)
     ax, names = axes[0, 0], []
     for satellite in reversed(WHEELS):
-        for name, condition in reversed(CONDITIONS.items()):
+        for name in reversed(CONDITIONS):
             those = [f for f in flown if (f.satellite, f.condition) == (satellite, name)]
             if those:
                 times = np.array([f.settled_5 for f in those if f.settled]) / 60.0
