@@ -158,6 +158,21 @@ def test_each_mode_is_come_to_and_left_the_second_time_as_the_first(flavour):
             np.testing.assert_allclose(one, first, atol=1e-9)
 
 
+def test_slews_in_a_row_last_as_long_there_and_back_each_time(flavour):
+    """Between two inertial attitudes, with no other mode between: each begins when it is asked for."""
+    p, u = parameters("supervisor", **TIMES, **QUICK), inputs("supervisor", **GIVEN)
+    goals = (turned(0.4, -0.2, 0.3), turned(-1.2, 0.7, 2.0))
+    with flavour("supervisor", p, u, H) as step:
+        flight = Flight(step, u)
+        flight.to(NADIR)
+        flight.visit(120, command=INERTIAL, R_goal=goals[0])
+        visits = [flight.visit(120, command=INERTIAL, R_goal=goals[k % 2]) for k in range(1, 6)]
+    lasted = [sum(row[0] == SLEW for row in visit) for visit in visits]
+    assert 5 < lasted[0] < 115
+    assert max(lasted) - min(lasted) <= 1
+    assert [visit[-1][0] for visit in visits] == [INERTIAL] * 5
+
+
 def test_it_says_why_it_is_safe_each_time(flavour):
     """1 since the start, 2 by command, 3 by the rate, 4 without an attitude, 0 in other modes."""
     p, u = parameters("supervisor", **TIMES, **QUICK), inputs("supervisor", **GIVEN)
