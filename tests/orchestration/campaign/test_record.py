@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from orchestration.campaign import sums
 from orchestration.campaign.case import read_campaign
 from orchestration.errors import InputError
 
@@ -66,3 +67,16 @@ figures: [{name: speed, panels: [{signals: [motor.speed]}]}]
     loop.write_text(text + "exchange: parallel\n", "utf-8")
     with pytest.raises(InputError, match="differs in scenario"):
         fly(toy, runs=3)
+
+
+def test_time_and_begin_of_an_earlier_start_count_too(toy):
+    fly(toy, runs=5)
+    record = {**sums.read(Path("out")), "wall_time": 1000.0, "started": "2020-01-01T00:00:00+00:00"}
+    record.pop("sha256")
+    sums.write(Path("out"), record)
+    for runs in (10, 15):
+        fly(toy, runs=runs)
+    record = sums.read(Path("out"))
+    assert record["started"] == "2020-01-01T00:00:00+00:00"
+    assert 1000.0 < record["wall_time"] < 1100.0
+    assert record["finished"] > record["started"]
