@@ -1,55 +1,50 @@
-"""Flies rows in turn, some flights of each before the next, and shows what became of them.
-Tests: tests/evidence/health/test_rows.py."""
+"""Flies rows in turn, so that all have about as many flights at any time, and writes docs/evidence/health.csv and
+docs/evidence/estimation.md. Tests: tests/evidence/health/test_rows.py."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import numpy as np
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from orchestration.campaign.flying.rows import Rows
 
 from ..crew import crew, runs_of
-from ..markdown import degrees, table
-from ..paper import FOLDER
-from .rows import LOST, ROWS, TUMBLE, Row, named
+from ..paper import FOLDER, ROOT
+from . import page
+from .kept import load, save
+from .rows import ROWS, Row
 
 RESULTS = FOLDER / "health"
-HEAD = "what fails|flights|lost|named|median|another named|largest error from ten minutes on|from half an hour on"
 
 
-def make(flights: int, only: Sequence[str], jobs: int) -> str:
-    """Flies what is left of so many flights of each row whose name has one of the texts; returns a table of all."""
+def parts(flights: int, only: Sequence[str]) -> Iterator[tuple[Row, int]]:
+    """Rows whose name has one of the texts, or all, and the number of flights after this part; those by rods alone,
+    which take minutes, come last."""
+    wanted = [row for row in ROWS if not only or any(text in row.name for text in only)]
+    slow = [row for row in wanted if row.actuators and not row.actuators.wheel]
+    quick = [row for row in wanted if row not in slow]
+    for rows in (quick, slow):
+        yield from ((row, most) for most in range(1, flights + 1) for row in rows)
+
+
+def make(flights: int, only: Sequence[str], jobs: int) -> Path:
+    """Flies what is left of so many flights of each row; then writes file and page, and returns the page."""
     with crew(jobs) as hands:
-        for row in ROWS:
-            if not only or any(text in row.name for text in only):
-                hands.fly(row.case(flights), RESULTS)
-    return summary([(row, found) for row in ROWS if (found := runs_of(row.case(1), RESULTS)) is not None])
+        for row, most in parts(flights, only):
+            rows = flown(row)
+            if rows is None or len(rows) < most:
+                hands.fly(row.case(most), RESULTS)
+    save([(row, found) for row in ROWS if (found := flown(row))])
+    return write()
 
 
-def summary(flown: Sequence[tuple[Row, Rows]]) -> str:
-    """A Markdown table with a line for each row. Lost: beyond LOST ten minutes after a failure in the hold or later,
-    half an hour after one in the tumble."""
-    return table(
-        [line(row, {name: rows.numbers(name) for name in ("largest", "late", *named())}) for row, rows in flown], HEAD
-    )
+def flown(row: Row) -> Rows | None:
+    """What these FMUs have flown so far; None where they have not begun."""
+    return runs_of(row.case(1), RESULTS)
 
 
-def line(row: Row, metrics: dict[str, np.ndarray]) -> list[str]:
-    """The cells of a row: times count from the failure on; a failed run is lost."""
-    largest, late = (np.nan_to_num(metrics[name], nan=180.0) for name in ("largest", "late"))
-    judged = late if row.at == TUMBLE else largest
-    count = len(largest)
-    others = np.array([metrics[part] for part in named() if part != row.part])
-    at = metrics[row.part] - row.at if row.part else np.full(count, np.inf)
-    found = np.isfinite(at)
-    return [
-        row.name,
-        str(count),
-        str(int((judged > LOST).sum())),
-        f"{int(found.sum())} of {count}" if row.part else "",
-        f"{np.median(at[found]):.0f} s" if found.any() else "",
-        str(int(np.isfinite(others).any(axis=0).sum())),
-        degrees(float(np.median(largest))),
-        degrees(float(np.median(late))),
-    ]
+def write() -> Path:
+    """Writes the page from docs/evidence/health.csv."""
+    target = ROOT / "docs" / "evidence" / "estimation.md"
+    target.write_text(page.text(load()), "utf-8")
+    return target

@@ -5,24 +5,32 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from orchestration.campaign.case import Case
 
 from .. import crew
 from ..paper import ORBIT, ROOT
+from .verdict import BOUND, ERROR, HOLD, LATE, RATE, REST, TUMBLE
 
 Data = dict[str, Any]
-TUMBLE, HOLD, REST, LATE = 100.0, 6000.0, 600.0, 1800.0
-"""s: when a part fails, in the tumble or in the hold; what is left to recover in the hold, and in the tumble: the
-slowest of 1000 sound satellites needs 1263 s there."""
 AFTER = 1.5 * ORBIT
 """s from the failure to the end."""
-LOST = 15.0
-"""deg"""
 SEED = 700
 SENSORS = ("gyro", "magnetometer", "GNSS", "star_tracker", "sun_sensors")
 """As the output `health` counts them."""
+
+
+@dataclass(frozen=True)
+class Actuators:
+    """What is left of them."""
+
+    rods: tuple[int, ...]
+    """Those that work, 0 to 2."""
+    wheel: bool = True
+    stuck: int | None = None
+    """The rod that is stuck on at STUCK_SHARE."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +45,13 @@ class Row:
     faults: tuple[Data, ...] = field(hash=False)
     part: str = ""
     """Which part is to be named; empty: none."""
+    actuators: Actuators | None = None
+    """What is left of them, where that may not suffice for a hold."""
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """All that have failed and may be named."""
+        return (self.part, "rod_2") if "rods 1 and 2" in self.text else (self.part,) if self.part else ()
 
     @property
     def name(self) -> str:
@@ -44,7 +59,9 @@ class Row:
 
     def case(self, flights: int) -> Case:
         """The campaign, checked. Raises InputError."""
-        angle: Data = {"signal": "judge.attitude_error", "unit": "deg"}
+        angle: Data = {"signal": ERROR, "unit": "deg"}
+        told = self.at if self.faults else 0.0
+        begins, recovered = ("tumble", LATE) if self.at == TUMBLE else ("hold", REST)
         campaign = {
             "extends": str(ROOT / "scenarios" / "campaigns" / f"{self.campaign}.yaml"),
             "name": re.sub(r"\W+", "_", self.name),
@@ -58,15 +75,24 @@ class Row:
             "runs": flights,
             "seed": SEED,
             "metrics": [
-                {"name": "largest", "statistic": "maximum", "after": self.at + REST, **angle},
-                {"name": "late", "statistic": "maximum", "after": self.at + LATE, **angle},
+                {"name": "held", "python": f"verdict:held_{begins}", "signals": [ERROR, BOUND]},
+                {"name": "rate", "python": f"verdict:rate_{begins}", "signals": [RATE, BOUND]},
+                {
+                    "name": "spin",
+                    "signal": RATE,
+                    "measure": "norm",
+                    "statistic": "maximum",
+                    "unit": "deg/s",
+                    "after": self.at + recovered,
+                },
+                {"name": "largest", "statistic": "maximum", "after": self.at + recovered, **angle},
                 {"name": "last", "statistic": "final", **angle},
-                *({"name": name, "after": self.at, **metric} for name, metric in named().items()),
+                *({"name": name, "after": told, **metric} for name, metric in named().items()),
             ],
             "requirements": [],
             "keep": {},
         }
-        return crew.case(campaign, ROOT / "scenarios" / "campaigns")
+        return crew.case(campaign, Path(__file__).parent)
 
 
 def named() -> dict[str, Data]:
@@ -82,15 +108,15 @@ def named() -> dict[str, Data]:
     return {**rods, **sensors, "wheel": wheel, "wheel_telemetry": telemetry}
 
 
-def _both(campaign: str, text: str, part: str, *faults: Data) -> tuple[Row, Row]:
+def _both(campaign: str, text: str, part: str, *faults: Data, left: Actuators | None = None) -> tuple[Row, Row]:
     """The failure in the tumble and in the hold; times of the faults count from it."""
 
     def at(begin: float) -> tuple[Data, ...]:
         return tuple({**f, **{k: begin + f[k] for k in ("at", "until") if k in f}} for f in faults)
 
     return (
-        Row(campaign, f"{text}, in the tumble", TUMBLE, at(TUMBLE), part),
-        Row(campaign, f"{text}, in the hold", HOLD, at(HOLD), part),
+        Row(campaign, f"{text}, in the tumble", TUMBLE, at(TUMBLE), part, left),
+        Row(campaign, f"{text}, in the hold", HOLD, at(HOLD), part, left),
     )
 
 
@@ -107,6 +133,8 @@ def _held(command: str) -> Data:
     return {"at": 0.0, "until": 120.0, "freeze": f"allocator.{command}"}
 
 
+STUCK_SHARE = 0.2
+SATELLITE = {"estimated": "paper_50kg", "estimated_star_tracker": "paper_50kg", "cubesat": "cubesat_3u"}
 SETS = {"estimated": "estimated", "estimated_star_tracker": "star_tracker", "cubesat": "cubesat"}
 """The scenario of each campaign, flight_*.yaml."""
 _LARGE, _SMALL = "[2.887, 2.887, -2.887]", "[0.06, 0, 0]"
@@ -129,6 +157,7 @@ ROWS: tuple[Row, ...] = (
                 "rod_1",
                 _set("rod_gain[1] = 0"),
                 _set(f"residual_dipole_B = {DIPOLE[which]}"),
+                left=Actuators((1, 2), stuck=0),
             ),
             _both(
                 which,
@@ -142,8 +171,15 @@ ROWS: tuple[Row, ...] = (
             _both(which, "gyro with a bias of 0.5 deg/s", "gyro", _sensor("bias", "omega_B", by=[5e-3] * 3)),
             _both(which, "Sun sensors frozen", "sun_sensors", _sensor("freeze", "sun_B")),
             _both(which, "GNSS frozen for 600 s, but counting", "GNSS", _sensor("freeze", "r_N", until=600.0)),
-            _both(which, "wheel stuck", "wheel", _set("wheel_torque_max = 0")),
-            _both(which, "rods 1 and 2 dead", "rod_1", _set("rod_gain[1] = 0"), _set("rod_gain[2] = 0")),
+            _both(which, "wheel stuck", "wheel", _set("wheel_torque_max = 0"), left=Actuators((0, 1, 2), wheel=False)),
+            _both(
+                which,
+                "rods 1 and 2 dead",
+                "rod_1",
+                _set("rod_gain[1] = 0"),
+                _set("rod_gain[2] = 0"),
+                left=Actuators((2,)),
+            ),
             _both(
                 which,
                 "wheel friction grows for 1000 s",

@@ -1,0 +1,75 @@
+"""The tables of docs/evidence/estimation.md from docs/evidence/health.csv; page.md.j2 has the words.
+Tests: tests/evidence/health/test_page.py."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .. import markdown
+from ..markdown import degrees
+from .kept import Flight
+from .rows import ROWS, SETS, Row
+
+HEAD = "what fails|coarse|star tracker|3U|safe|named|median|another named|largest|rate"
+NOTHING = "nothing"
+
+
+def text(flights: Sequence[Flight]) -> str:
+    """Returns the page."""
+    of = {row.name: [f for f in flights if f.row == row.name] for row in ROWS}
+    failing = [f for row in ROWS if row.part or row.text.startswith("commands") for f in of[row.name]]
+    parts = [f for row in ROWS if row.part for f in of[row.name]]
+    lost = [f for f in failing if f.outcome == "lost"]
+    return markdown.render(
+        Path(__file__).parent,
+        rows=[_line(which, of) for which in dict.fromkeys(kind(row) for row in ROWS if of[row.name])],
+        head=HEAD,
+        flown=len(failing),
+        lost=len(lost),
+        safe=sum(f.outcome == "safe" for f in failing),
+        kinds=sum(bool(of[row.name]) for row in ROWS if row.text != NOTHING),
+        kinds_lost=len({f.row for f in lost}),
+        parts=len(parts),
+        named=sum(np.isfinite(f.named_s) for f in parts),
+        others=sum(bool(f.others) for f in failing),
+        sound=len(sound := [f for row in ROWS if row.text == NOTHING for f in of[row.name]]),
+        sound_lost=sum(f.outcome == "lost" for f in sound),
+        blamed=sum(bool(f.others) for f in sound),
+    )
+
+
+def _line(which: str, of: dict[str, list[Flight]]) -> list[str]:
+    rows = [row for row in ROWS if kind(row) == which]
+    flights = [f for row in rows for f in of[row.name]]
+    held = [f.largest_deg for f in flights if f.outcome == "held"]
+    unheld = [f.spin_deg_s for f in flights if f.outcome != "held"]
+    return [
+        which,
+        *(_lost([f for row in rows if row.campaign == campaign for f in of[row.name]]) for campaign in SETS),
+        str(sum(f.outcome == "safe" for f in flights)),
+        *_named(rows, flights),
+        str(sum(bool(f.others) for f in flights)),
+        degrees(max(held)) if held else "",
+        f"{max(unheld):.2g}" if unheld else "",
+    ]
+
+
+def kind(row: Row) -> str:
+    """What fails, whenever it does."""
+    return row.text.removesuffix(", in the tumble").removesuffix(", in the hold")
+
+
+def _lost(flights: Sequence[Flight]) -> str:
+    return f"{sum(f.outcome == 'lost' for f in flights)} of {len(flights)}" if flights else ""
+
+
+def _named(rows: Sequence[Row], flights: Sequence[Flight]) -> list[str]:
+    """In how many flights the part is named, and after how long at the median."""
+    times = np.array([f.named_s for f in flights])
+    if not rows[0].part or not len(times):
+        return ["", ""]
+    known = times[np.isfinite(times)]
+    return [markdown.finite(times), f"{np.median(known):.0f} s" if len(known) else ""]
