@@ -1,4 +1,7 @@
-"""The planned controller with a reference by its ports, without one, and without attitude."""
+"""The planned controller with a reference by its ports, without one, and without attitude.
+
+Shows PL-2.
+"""
 
 import math
 

@@ -1,4 +1,5 @@
-/* The table of phases: docs/how/planned.md, Phases. Tests: test_hold.py, test_strained.py, test_block.py. */
+/* The table of phases: docs/how/planned.md, Phases. Requirement: PL-2.
+ * Tests: test_hold.py, test_strained.py, test_block.py, test_reference_ports.py. */
 #include "phases.h"
 
 #include "../plan/rods_alone.h"
