@@ -61,10 +61,11 @@ def load() -> list[Flight]:
 
 
 def save(flown: Sequence[tuple[Row, Rows]]) -> list[Flight]:
-    """Writes every flight of the datasets, and returns them."""
-    known = {(f.row, f.run): f.least_deg for f in load()}
+    """Writes every flight of the datasets in the place of those of their rows, and returns all that are kept."""
+    kept = load()
+    known, anew = {(f.row, f.run): f.least_deg for f in kept}, {row.name for row, _ in flown}
     flights = [flight for row, rows in flown for flight in _flights(row, rows, known)]
-    files.save(Flight, FILE, flights)
+    files.save(Flight, FILE, [f for f in kept if f.row not in anew] + flights)
     return load()
 
 

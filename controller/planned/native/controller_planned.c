@@ -61,7 +61,7 @@ static void initialise(const ControllerPlannedLaw *law, const ControllerPlannedI
     x->t = t;
     x->scales = scales_of(law, u);
     x->phase = PHASE_DAMPING;
-    x->settled_since = x->loaded_since = INFINITY;
+    x->settled_since = x->loaded_since = x->least_rate = INFINITY;
     x->reference = NO_REFERENCE;
     controller_planned_identification_start(&law->p, u, &x->scales, &x->identification);
     controller_planned_friction_start(&law->p, x->scales.time, &x->friction);

@@ -145,7 +145,10 @@ def test_rates_are_damped_each_time_the_satellite_turns_after_its_attitude_is_lo
             assert 4 not in {y["phase"] for y in run(it, t + 2.0, t + 4.0, inputs=bounded(0.5, 0.02))}, "known"
             assert run(it, t + 4.0, t + 6.0, inputs=bounded(0.55, 0.02))[-1]["phase"] == 4
             assert {y["phase"] for y in run(it, t + 6.0, t + 8.0, inputs=poor)} == {4}, "until it is known again"
-            assert run(it, t + 8.0, t + 20.0, inputs=good)[-1]["phase"] in (1, 2, 3)
+            assert np.any(run(it, t + 8.0, t + 9.0, inputs=bounded(0.55, 0.004))[-1]["dipole_ff"])
+            assert not np.any(run(it, t + 9.0, t + 10.0, inputs=bounded(0.55, 0.02))[-1]["dipole_ff"]), "it has grown"
+            assert not np.any(run(it, t + 10.0, t + 11.0, inputs=poor)[-1]["dipole_ff"]), "until it is known again"
+            assert run(it, t + 11.0, t + 20.0, inputs=good)[-1]["phase"] in (1, 2, 3)
 
 
 # ------------------------------------------------------------------------------------------- the reference to come

@@ -138,7 +138,7 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     store(B_B, y->b_used_B);
     store_estimates(x, &model, now, y);
     if (x->phase == PHASE_DAMPING) {
-        damp(law, u, &model, now->Omega, now->l, B_B, controls, y);
+        damp(law, u, &model, now->Omega, now->l, x->drives ? (Vector){0.0, 0.0, 0.0} : B_B, controls, y);
         return;
     }
 

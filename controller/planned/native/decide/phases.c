@@ -18,6 +18,7 @@ static const double STRAINED_LOST = 1.0;   /* rad (57 deg) */
 
 /* rad (30 deg): a torque may be half across what was meant; rad in T beyond the target's turn: more is no hold. */
 static const double DOUBTED = 0.5235987756, TURNS = 0.3;
+static const double GROWN = 2.0; /* of the least rate: a field that is more than a right angle off drives it */
 
 enum { ANY = 0 };
 
@@ -89,6 +90,8 @@ void controller_planned_doubt(ControllerPlannedState *x, bool field_lost, double
     const bool turns = (rate - wanted) * x->scales.time > TURNS;
     x->may_doubt = x->may_doubt || x->phase == PHASE_HOLD || field_lost;
     x->doubted = x->may_doubt && bound > DOUBTED && (x->doubted || turns);
+    x->least_rate = x->doubted ? smaller(x->least_rate, rate) : INFINITY;
+    x->drives = x->doubted && (x->drives || rate > GROWN * x->least_rate + TURNS / x->scales.time);
 }
 
 bool controller_planned_plan_has_come(const ControllerPlannedState *x, double early)
