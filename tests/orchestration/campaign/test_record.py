@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestration.campaign import sums
+from orchestration.campaign import engine, sums
 from orchestration.campaign.case import read_campaign
 from orchestration.errors import InputError
 
@@ -80,3 +80,17 @@ def test_time_and_begin_of_an_earlier_start_count_too(toy):
     assert record["started"] == "2020-01-01T00:00:00+00:00"
     assert 1000.0 < record["wall_time"] < 1100.0
     assert record["finished"] > record["started"]
+
+
+def test_an_interrupted_campaign_counts_no_run_behind_the_first_that_is_missing(toy):
+    """The first part is gone: of its runs few are flown again, and those of the second are not counted with them."""
+    for runs in (5, 10):
+        fly(toy, runs=runs)
+    sorted(Path("out/runs").iterdir())[0].unlink()
+
+    def tell(at):
+        raise KeyboardInterrupt
+
+    stopped = engine.fly(read_campaign(toy, {"runs": 10}), Path("out"), workers=0, tell=tell)
+    assert 5 < stopped.flown < 10
+    assert f" of {stopped.flown - 5} runs " in stopped.verdicts[0].text
