@@ -82,7 +82,8 @@ def _median(values: Any) -> float:
 def figure(flown: Sequence[Flown]) -> Any:
     """Returns when each flight settled."""
     drawn, axes = panels(1, 1, 8.6, 4.8)
-    ax, names = axes[0, 0], []
+    ax = axes[0, 0]
+    names: list[str] = []
     for satellite in reversed(WHEELS):
         for name in reversed(CONDITIONS):
             those = [f for f in flown if (f.satellite, f.condition) == (satellite, name)]
