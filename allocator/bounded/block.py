@@ -72,8 +72,9 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     with_field = B >= FIELD_MIN
     gains = np.ones(3) if (np.abs(u.rod_gains) >= ABSENT_MIN).any() else u.rod_gains
     by_rods = rod_matrix(u.b_B, p.U) * gains[: p.rods] if with_field else np.zeros((3, p.rods))
-    failed = Watch(*x.watch).failed(p) if x.watch is not None else np.zeros(len(np.atleast_2d(p.wheel_axis)), bool)
-    actuators = _actuators(u, p, by_rods, with_field, failed)
+    watch = Watch(*x.watch) if x.watch is not None else None
+    failed = watch.failed(p) if watch is not None else np.zeros(len(np.atleast_2d(p.wheel_axis)), bool)
+    actuators = _actuators(u, p, by_rods, with_field, failed, watch)
     spin = spin_torque(u.omega_B, p.of_wheels(u.h_w), p.axes)
     commands, fraction = allocate(u.tau_cmd_B - spin, actuators)
     if not math.isfinite(sum(commands.tolist())):  # inputs so large that their products overflow
@@ -105,7 +106,9 @@ def _to_port(values: Array, p: Parameters) -> OfWheels:
     return np.concatenate((values, np.zeros(len(p.wheel_axis) - len(values)))) if p.is_set else float(values[0])
 
 
-def _actuators(u: Inputs, p: Parameters, by_rods: Array, with_field: bool, failed: NDArray[np.bool_]) -> Actuators:
+def _actuators(
+    u: Inputs, p: Parameters, by_rods: Array, with_field: bool, failed: NDArray[np.bool_], watch: Watch | None
+) -> Actuators:
     """Feed-forward is preferred where it is connected; else no dipole, and each wheel on its way to its target. No
     dipole is without a field. by_rods (3,rods): the rods' torques per A m2; failed (4,): wheels that are not used."""
     told = not (np.abs(u.wheel_gains) >= ABSENT_MIN).any()
@@ -118,6 +121,8 @@ def _actuators(u: Inputs, p: Parameters, by_rods: Array, with_field: bool, faile
     if p.null_space_momentum > 0.0 and p.null_space is not None and gains.all():
         motion = null_space_motion(h_w, p.null_space, p.null_space_momentum, momentum_max) / p.desaturation_time
         wheel_torque = wheel_torque + (motion - p.null_space @ wheel_torque) * p.null_space
+    if watch is not None and not told:
+        wheel_torque = watch.probing(wheel_torque, p)
     low, high = wheel_limits(h_w, p.command_period, torque_max, momentum_max)
     low, high = np.where(gains < 0.0, -high, low), np.where(gains < 0.0, -low, high)
     of_rods = p.dipole_max * p.rod_limits[: p.rods]

@@ -12,10 +12,14 @@ from .parameters import Parameters
 
 FORGOTTEN = 300.0
 """s, in which what a wheel gave is forgotten."""
-TRUST_TORQUE, TRUST_TIME = 0.02, 100.0
-"""Of a wheel's limit, and s: commands below say nothing of it."""
+FRICTION = 0.05
+"""Of a wheel's limit: what friction may take of a command."""
+TRUST_TORQUE, TRUST_TIME = 0.02, 20.0
+"""Of a wheel's limit beyond friction, and s: commands below say nothing of it."""
 RETRY = 3000.0
 """s, after which a wheel that failed is tried again."""
+PROBE_TORQUE, PROBE_TIME = 0.2, 2.0
+"""Of its limit, and s: the command by which it is tried, forth and back."""
 
 
 @dataclass(frozen=True)
@@ -27,9 +31,9 @@ class Watch:
     command: Array
     """N m."""
     given: Array
-    """Sum of command times change of momentum, forgotten."""
+    """Sum of what friction cannot take of the command, times change of momentum, forgotten."""
     asked: Array
-    """Sum of command squared times time, forgotten."""
+    """Sum of what friction cannot take of the command, squared, times time, forgotten."""
     failed_for: Array
     """s since it was found to give less than half; 0: it was not."""
 
@@ -42,17 +46,24 @@ class Watch:
         """Returns what is known h s later, when the momenta are h_w (4,) N m s."""
         kept = 1.0 / (1.0 + h / FORGOTTEN)
         trust = (TRUST_TORQUE * p.wheel_torque_max) ** 2 * TRUST_TIME
-        given = kept * self.given + self.command * (h_w - self.h_w)
-        asked = kept * self.asked + self.command**2 * h
-        there, already = np.arange(len(h_w)) < p.wheels, self.failed_for > 0.0
-        found = there & (given + trust < 0.5 * (asked + trust))
-        longer = np.where(self.failed_for + h > RETRY, 0.0, self.failed_for + h)
-        return replace(
-            self,
-            given=np.where(already, 0.0, given),
-            asked=np.where(already, 0.0, asked),
-            failed_for=np.where(already, longer, np.where(found, h, 0.0)),
+        most = FRICTION * p.wheel_torque_max
+        command = np.where(
+            self.command > most, self.command - most, np.where(self.command < -most, self.command + most, 0.0)
         )
+        counts = (self.failed_for <= 0.0) | (self.failed_for > RETRY)
+        given = np.where(counts, kept * self.given + command * (h_w - self.h_w), 0.0)
+        asked = np.where(counts, kept * self.asked + command**2 * h, 0.0)
+        there = np.arange(len(h_w)) < p.wheels
+        found = np.where(there & (given + trust < 0.5 * (asked + trust)), h, 0.0)
+        tried = np.where(given > 0.5 * asked, 0.0, h)
+        longer = np.where(self.failed_for > RETRY + PROBE_TIME, tried, self.failed_for + h)
+        return replace(self, given=given, asked=asked, failed_for=np.where(self.failed_for <= 0.0, found, longer))
+
+    def probing(self, torque: Array, p: Parameters) -> Array:
+        """Returns preferred torques (wheels,) N m, of which those of wheels that are tried are their probes."""
+        since = self.failed_for[: p.wheels] - RETRY
+        probe = np.where(since < 0.5 * PROBE_TIME, PROBE_TORQUE, -PROBE_TORQUE) * p.wheel_torque_max[: p.wheels]
+        return np.where(p.find_failures & (since > 0.0), probe, torque)
 
     def rows(self) -> Array:
         """Returns the watch as an array (5, 4), as a state can hold it."""

@@ -256,17 +256,26 @@ def test_rods_and_wheels_that_are_not_there_are_not_looked_at() -> None:
     assert y["demand_fraction"] == 0.0
 
 
-def watched(gain: float, seconds: int = 200, friction: float = 0.0, **parameters: Any) -> list[dict[str, Any]]:
-    """Outputs of each second of a random demand whose wheels have momenta of 0.1 N m s; the second gives `gain` of its
-    command, less friction."""
+def watched(
+    gain: float,
+    seconds: int = 200,
+    friction: float = 0.0,
+    demand: float = 5e-4,
+    again: int | None = None,
+    **parameters: Any,
+) -> list[dict[str, Any]]:
+    """Outputs of each second of a random demand, N m, whose wheels have momenta of 0.1 N m s; the second gives `gain`
+    of its command, less friction, and all of it from second `again` on."""
     rng, h, found = np.random.default_rng(5), np.zeros(4), []
     gains = np.array([1.0, gain, 1.0, 1.0])
     with running(BLOCK, **FOUR, b_B=[0.0, 0.0, 0.0], wheel_momentum_max=[0.1] * 4, **parameters) as it:
         for i in range(seconds):
             command = it.get("wheel_torque_cmd")
+            if i == again:
+                gains = np.ones(4)
             h = h + gains * np.sign(command) * np.maximum(np.abs(command) - friction, 0.0)
             it.set("h_w", h)
-            it.set("tau_cmd_B", rng.normal(scale=5e-4, size=3))
+            it.set("tau_cmd_B", rng.normal(scale=demand, size=3))
             it.step(float(i), 1.0)
             found.append(it.outputs())
     return found
@@ -288,10 +297,23 @@ def test_wheels_that_give_more_than_half_or_have_friction_are_not_reported(gain:
     assert not any(each["wheel_failed"].any() for each in watched(gain, 500, friction))
 
 
-def test_a_failed_wheel_is_tried_again_and_one_that_is_not_looked_for_is_not_found() -> None:
-    flags = [bool(each["wheel_failed"][1]) for each in watched(0.0, 3300)]
-    first = flags.index(True)
-    assert all(flags[first : first + 2999])
-    assert not flags[first + 3000]
-    assert flags[-1]
+def test_wheels_whose_friction_takes_the_commands_of_a_quiet_hold_are_not_reported() -> None:
+    y = watched(1.0, 1000, friction=1.2e-4, demand=1e-4)
+    assert max(np.abs(each["wheel_torque_cmd"]).max() for each in y) > 1e-4
+    assert not any(each["wheel_failed"].any() for each in y)
+
+
+def test_a_failed_wheel_is_tried_by_a_probe_and_one_that_is_not_looked_for_is_not_found() -> None:
+    y = watched(0.0, 3300)
+    first = next(i for i, each in enumerate(y) if each["wheel_failed"][1])
+    assert all(each["wheel_failed"].tolist() == [0, 1, 0, 0] for each in y[first:])
+    probes = [each["wheel_torque_cmd"][1] for each in y[first + 2999 : first + 3004]]
+    assert min(probes) == -0.2 * 3e-3
     assert not any(each["wheel_failed"].any() for each in watched(0.0, find_failures=False))
+
+
+def test_a_wheel_that_works_again_is_used_after_its_probe() -> None:
+    y = watched(0.0, 3300, again=1000)
+    first = next(i for i, each in enumerate(y) if each["wheel_failed"][1])
+    assert y[first + 2999]["wheel_failed"][1]
+    assert not any(each["wheel_failed"].any() for each in y[first + 3006 :])

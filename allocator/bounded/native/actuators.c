@@ -54,6 +54,11 @@ static void preferred_torques(const AllocatorBoundedLaw *law, const AllocatorBou
             d[i] += change * law->null_space[i];
         }
     }
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+    for (int i = 0; i < WHEELS(p); ++i) {
+        (void)allocator_bounded_probed(law, x, u, i, &d[i]);
+    }
+#endif
 }
 
 void allocator_bounded_actuators(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,

@@ -44,6 +44,10 @@ bool allocator_bounded_wheel_failed(const AllocatorBoundedLaw *law, const Alloca
 double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                     const AllocatorBoundedInputs *u, int i);
 
+/* Whether wheel i, which failed, is tried, and by which torque, N m. */
+bool allocator_bounded_probed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                              const AllocatorBoundedInputs *u, int i, double *torque);
+
 /* Takes in what the wheels gave of the last commands over h, and the commands y that act from now on. */
 void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,
                              AllocatorBoundedState *x);

@@ -4,10 +4,16 @@
 
 #if ALLOCATOR_BOUNDED_WHEELS > 1
 
-static const double FORGOTTEN = 300.0;   /* s, in which what a wheel gave is forgotten */
-static const double TRUST_TORQUE = 0.02; /* of its limit: commands below, for so long, say nothing of a wheel */
-static const double TRUST_TIME = 100.0;  /* s */
-static const double RETRY = 3000.0;      /* s, after which a wheel that failed is tried again */
+/* s, in which what a wheel gave is forgotten */
+static const double FORGOTTEN = 300.0;
+/* Of a wheel's limit: what friction may take of a command. */
+static const double FRICTION = 0.05;
+/* Of its limit, and s: commands that are no more beyond friction, for so long, say nothing of a wheel. */
+static const double TRUST_TORQUE = 0.02, TRUST_TIME = 20.0;
+/* s, after which a wheel that failed is tried again. */
+static const double RETRY = 3000.0;
+/* Of its limit, and s: the command by which it is tried, forth and back. */
+static const double PROBE_TORQUE = 0.2, PROBE_TIME = 2.0;
 
 bool allocator_bounded_wheel_failed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, int i)
 {
@@ -23,22 +29,42 @@ double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const Alloca
     return allocator_bounded_wheel_failed(law, x, i) ? 0.0 : 1.0;
 }
 
+bool allocator_bounded_probed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                              const AllocatorBoundedInputs *u, int i, double *torque)
+{
+    const double since = x->failed_for[i] - RETRY;
+    if (since <= 0.0 || !law->p.find_failures || allocator_bounded_has_wheel_gains(u)) {
+        return false;
+    }
+    *torque = (since < 0.5 * PROBE_TIME ? PROBE_TORQUE : -PROBE_TORQUE) * law->p.wheel_torque_max[i];
+    return true;
+}
+
+/* The part of a command that friction cannot take, N m. */
+static double beyond_friction(double command, double torque_max)
+{
+    const double most = FRICTION * torque_max;
+    return command > most ? command - most : command < -most ? command + most : 0.0;
+}
+
 void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,
                              AllocatorBoundedState *x)
 {
     const double kept = 1.0 / (1.0 + h / FORGOTTEN);
     for (int i = 0; i < law->p.wheels; ++i) {
-        if (x->failed_for[i] > 0.0) {
-            const double longer = x->failed_for[i] + h;
-            x->given[i] = 0.0;
-            x->asked[i] = 0.0;
-            x->failed_for[i] = longer > RETRY ? 0.0 : longer;
-            continue;
-        }
         const double torque = TRUST_TORQUE * law->p.wheel_torque_max[i], trust = torque * torque * TRUST_TIME;
-        x->given[i] = kept * x->given[i] + x->command[i] * (u->h_w[i] - x->h_w[i]);
-        x->asked[i] = kept * x->asked[i] + x->command[i] * x->command[i] * h;
-        x->failed_for[i] = x->given[i] + trust < 0.5 * (x->asked[i] + trust) ? h : 0.0;
+        const double command = beyond_friction(x->command[i], law->p.wheel_torque_max[i]),
+                     failed_for = x->failed_for[i];
+        const bool counts = failed_for <= 0.0 || failed_for > RETRY;
+        x->given[i] = counts ? kept * x->given[i] + command * (u->h_w[i] - x->h_w[i]) : 0.0;
+        x->asked[i] = counts ? kept * x->asked[i] + command * command * h : 0.0;
+        if (failed_for <= 0.0) {
+            x->failed_for[i] = x->given[i] + trust < 0.5 * (x->asked[i] + trust) ? h : 0.0;
+        } else if (failed_for > RETRY + PROBE_TIME) {
+            x->failed_for[i] = x->given[i] > 0.5 * x->asked[i] ? 0.0 : h;
+        } else {
+            x->failed_for[i] = failed_for + h;
+        }
     }
 }
 
