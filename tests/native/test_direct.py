@@ -135,7 +135,7 @@ def test_an_input_of_which_one_element_is_not_connected_counts_as_not_connected(
     """Those of a reference belong together, so that the others are refused by the name of the one that is missing."""
     direct = Direct(block)
     connected: dict[str, Any] = {
-        "attitude_sigma_B": [1e-3, 2e-3, 3e-3],
+        "attitude_sigma_B": [1e-3, 2e-3, 3e-3], "attitude_bound": 0.1,
         "h_w": 0.01, "b_B": [2e-5, -1e-5, 3e-5], "u_applied": [1.0, 2.0, -3.0, 1e-4],
         "R_d": Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix(), "Omega_d": [0.01, 0.02, 0.03],
         "dipole_ff": [3.0, -4.0, 5.0], "wheel_torque_ff": 1e-4, "rod_gains": [0.9, -1.0, 0.5],
@@ -157,7 +157,10 @@ def test_an_input_of_which_one_element_is_not_connected_counts_as_not_connected(
             values = np.array(given[v.name], float)
             values.ravel()[i] = -ABSENT_MIN
             assert two_steps({**given, v.name: values if v.shape else float(values)}) == absent
-        assert two_steps(given) != absent
+        if (
+            v.name != "attitude_bound"
+        ):  # it acts after the first hold (tests/controller/planned/test_reference_ports.py)
+            assert two_steps(given) != absent
 
 
 @pytest.mark.parametrize("element", range(3))
