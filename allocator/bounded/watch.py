@@ -16,6 +16,8 @@ FRICTION = 0.05
 """Of a wheel's limit: what friction may take of a command."""
 TRUST_TORQUE, TRUST_TIME = 0.02, 20.0
 """Of a wheel's limit beyond friction, and s: commands below say nothing of it."""
+CONFIRMED = 2.0
+"""s, for which this is found before a wheel counts as failed: telemetry may be a sample old."""
 RETRY = 3000.0
 """s, after which a wheel that failed is tried again."""
 PROBE_TORQUE, PROBE_TIME = 0.2, 2.0
@@ -35,7 +37,7 @@ class Watch:
     asked: Array
     """Sum of what friction cannot take of the command, squared, times time, forgotten."""
     failed_for: Array
-    """s since it was found to give less than half; 0: it was not."""
+    """s since it gave less than half; below 0: not yet confirmed; 0: it gives more."""
 
     @staticmethod
     def begun(h_w: Array, command: Array) -> Watch:
@@ -54,7 +56,9 @@ class Watch:
         given = np.where(counts, kept * self.given + command * (h_w - self.h_w), 0.0)
         asked = np.where(counts, kept * self.asked + command**2 * h, 0.0)
         there = np.arange(len(h_w)) < p.wheels
-        found = np.where(there & (given + trust < 0.5 * (asked + trust)), h, 0.0)
+        confirmed = (self.failed_for < 0.0) & (h - self.failed_for > CONFIRMED)
+        later = np.where(confirmed, h, self.failed_for - h)
+        found = np.where(there & (given + trust < 0.5 * (asked + trust)), later, 0.0)
         tried = np.where(given > 0.5 * asked, 0.0, h)
         longer = np.where(self.failed_for > RETRY + PROBE_TIME, tried, self.failed_for + h)
         return replace(self, given=given, asked=asked, failed_for=np.where(self.failed_for <= 0.0, found, longer))

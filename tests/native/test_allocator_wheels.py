@@ -303,6 +303,16 @@ def test_wheels_whose_friction_takes_the_commands_of_a_quiet_hold_are_not_report
     assert not any(each["wheel_failed"].any() for each in y)
 
 
+def test_wheels_whose_momenta_are_told_a_sample_late_are_not_reported() -> None:
+    h = late = np.zeros(4)
+    with running(BLOCK, **FOUR, b_B=[0.0, 0.0, 0.0], tau_cmd_B=[2e-3, -1e-3, 1e-3]) as it:
+        for i in range(20):
+            late, h = h, h + 0.5 * it.get("wheel_torque_cmd")
+            it.set("h_w", late)
+            it.step(0.5 * i, 0.5)
+            assert not it.outputs()["wheel_failed"].any()
+
+
 def test_a_failed_wheel_is_tried_by_a_probe_and_one_that_is_not_looked_for_is_not_found() -> None:
     y = watched(0.0, 3300)
     first = next(i for i, each in enumerate(y) if each["wheel_failed"][1])

@@ -14,12 +14,13 @@
 #include "allocator_bounded_ports.h"
 
 typedef struct {
-    double t;                                    /* s */
-    double h_w[ALLOCATOR_BOUNDED_WHEELS];        /* of the last sample, N m s */
-    double command[ALLOCATOR_BOUNDED_WHEELS];    /* of the last sample, N m */
-    double given[ALLOCATOR_BOUNDED_WHEELS];      /* sum of command times change of momentum; forgotten */
-    double asked[ALLOCATOR_BOUNDED_WHEELS];      /* sum of command squared times time; forgotten */
-    double failed_for[ALLOCATOR_BOUNDED_WHEELS]; /* s since it was found to give less than half; 0: it was not */
+    double t;                                 /* s */
+    double h_w[ALLOCATOR_BOUNDED_WHEELS];     /* of the last sample, N m s */
+    double command[ALLOCATOR_BOUNDED_WHEELS]; /* of the last sample, N m */
+    double given[ALLOCATOR_BOUNDED_WHEELS];   /* sum of command times change of momentum; forgotten */
+    double asked[ALLOCATOR_BOUNDED_WHEELS];   /* sum of command squared times time; forgotten */
+    double failed_for
+        [ALLOCATOR_BOUNDED_WHEELS]; /* s since it gave less than half; below 0: not yet confirmed; 0: it gives more */
 } AllocatorBoundedState;
 
 /* Parameters and what follows from them alone. */

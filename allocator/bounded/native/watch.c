@@ -10,6 +10,8 @@ static const double FORGOTTEN = 300.0;
 static const double FRICTION = 0.05;
 /* Of its limit, and s: commands that are no more beyond friction, for so long, say nothing of a wheel. */
 static const double TRUST_TORQUE = 0.02, TRUST_TIME = 20.0;
+/* s, for which this is found before a wheel counts as failed: telemetry may be a sample old. */
+static const double CONFIRMED = 2.0;
 /* s, after which a wheel that failed is tried again. */
 static const double RETRY = 3000.0;
 /* Of its limit, and s: the command by which it is tried, forth and back. */
@@ -59,7 +61,9 @@ void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoun
         x->given[i] = counts ? kept * x->given[i] + command * (u->h_w[i] - x->h_w[i]) : 0.0;
         x->asked[i] = counts ? kept * x->asked[i] + command * command * h : 0.0;
         if (failed_for <= 0.0) {
-            x->failed_for[i] = x->given[i] + trust < 0.5 * (x->asked[i] + trust) ? h : 0.0;
+            const bool found = x->given[i] + trust < 0.5 * (x->asked[i] + trust);
+            const bool confirmed = failed_for < 0.0 && h - failed_for > CONFIRMED;
+            x->failed_for[i] = !found ? 0.0 : confirmed ? h : failed_for - h;
         } else if (failed_for > RETRY + PROBE_TIME) {
             x->failed_for[i] = x->given[i] > 0.5 * x->asked[i] ? 0.0 : h;
         } else {
