@@ -213,7 +213,9 @@ def test_a_file_of_own_sensors_is_flown(tmp_path):
 
 
 def test_help_lists_the_values_with_their_defaults():
-    text = " ".join(orchestrate("new", "satellite", "-h").stdout.split())
+    result = orchestrate("new", "satellite", "-h")
+    assert result.exit_code == 0, result.stderr
+    text = " ".join(result.stdout.split())
     assert "residual_dipole_B" in text
     assert "[cubesat]" in text
 
