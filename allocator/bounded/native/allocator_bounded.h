@@ -14,13 +14,12 @@
 #include "allocator_bounded_ports.h"
 
 typedef struct {
-    double t;                                 /* s */
-    double h_w[ALLOCATOR_BOUNDED_WHEELS];     /* of the last sample, N m s */
-    double command[ALLOCATOR_BOUNDED_WHEELS]; /* of the last sample, N m */
-    double given[ALLOCATOR_BOUNDED_WHEELS];   /* sum of command times change of momentum; forgotten */
-    double asked[ALLOCATOR_BOUNDED_WHEELS];   /* sum of command squared times time; forgotten */
-    double failed_for
-        [ALLOCATOR_BOUNDED_WHEELS]; /* s since it gave less than half; below 0: not yet confirmed; 0: it gives more */
+    double t;                                    /* s */
+    double h_w[ALLOCATOR_BOUNDED_WHEELS];        /* of the last sample, N m s */
+    double command[ALLOCATOR_BOUNDED_WHEELS];    /* of the last sample, N m */
+    double given[ALLOCATOR_BOUNDED_WHEELS];      /* sum of command times change of momentum; forgotten */
+    double asked[ALLOCATOR_BOUNDED_WHEELS];      /* sum of command squared times time; forgotten */
+    double failed_for[ALLOCATOR_BOUNDED_WHEELS]; /* s since it gave less than half; negative: unconfirmed; 0: no */
 } AllocatorBoundedState;
 
 /* Parameters and what follows from them alone. */
