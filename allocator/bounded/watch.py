@@ -49,9 +49,7 @@ class Watch:
         kept = 1.0 / (1.0 + h / FORGOTTEN)
         trust = (TRUST_TORQUE * p.wheel_torque_max) ** 2 * TRUST_TIME
         most = FRICTION * p.wheel_torque_max
-        command = np.where(
-            self.command > most, self.command - most, np.where(self.command < -most, self.command + most, 0.0)
-        )
+        command = np.copysign(np.maximum(abs(self.command) - most, 0.0), self.command)
         counts = (self.failed_for <= 0.0) | (self.failed_for > RETRY)
         given = np.where(counts, kept * self.given + command * (h_w - self.h_w), 0.0)
         asked = np.where(counts, kept * self.asked + command**2 * h, 0.0)

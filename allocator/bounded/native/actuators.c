@@ -56,7 +56,7 @@ static void preferred_torques(const AllocatorBoundedLaw *law, const AllocatorBou
     }
 #if ALLOCATOR_BOUNDED_WHEELS > 1
     for (int i = 0; i < WHEELS(p); ++i) {
-        (void)allocator_bounded_probed(law, x, u, i, &d[i]);
+        d[i] = allocator_bounded_tried_torque(law, x, u, i, d[i]);
     }
 #endif
 }

@@ -44,9 +44,9 @@ bool allocator_bounded_wheel_failed(const AllocatorBoundedLaw *law, const Alloca
 double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                     const AllocatorBoundedInputs *u, int i);
 
-/* Whether wheel i, which failed, is tried, and by which torque, N m. */
-bool allocator_bounded_probed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
-                              const AllocatorBoundedInputs *u, int i, double *torque);
+/* The preferred torque of wheel i, N m: that by which it is tried where it failed long ago, else as given. */
+double allocator_bounded_tried_torque(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                      const AllocatorBoundedInputs *u, int i, double preferred);
 
 /* Takes in what the wheels gave of the last commands over h, and the commands y that act from now on. */
 void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,

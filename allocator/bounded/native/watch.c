@@ -31,15 +31,14 @@ double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const Alloca
     return allocator_bounded_wheel_failed(law, x, i) ? 0.0 : 1.0;
 }
 
-bool allocator_bounded_probed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
-                              const AllocatorBoundedInputs *u, int i, double *torque)
+double allocator_bounded_tried_torque(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                      const AllocatorBoundedInputs *u, int i, double preferred)
 {
     const double since = x->failed_for[i] - RETRY;
     if (since <= 0.0 || !law->p.find_failures || allocator_bounded_has_wheel_gains(u)) {
-        return false;
+        return preferred;
     }
-    *torque = (since < 0.5 * PROBE_TIME ? PROBE_TORQUE : -PROBE_TORQUE) * law->p.wheel_torque_max[i];
-    return true;
+    return (since < 0.5 * PROBE_TIME ? PROBE_TORQUE : -PROBE_TORQUE) * law->p.wheel_torque_max[i];
 }
 
 /* The part of a command that friction cannot take, N m. */
