@@ -99,7 +99,7 @@ static void transform(double T[3][BANK_STATES], double P[BANK_STATES][BANK_STATE
             }
         }
     }
-    memcpy(P, M, sizeof M);
+    (void)memcpy(P, M, sizeof M);
     for (int i = 0; i < BANK_STATES; ++i) {
         for (int j = 0; j < 3; ++j) {
             left[j] = 0.0;
@@ -107,7 +107,7 @@ static void transform(double T[3][BANK_STATES], double P[BANK_STATES][BANK_STATE
                 left[j] += P[i][k] * T[j][k];
             }
         }
-        memcpy(P[i], left, sizeof left);
+        (void)memcpy(P[i], left, sizeof left);
     }
     for (int i = 0; i < BANK_STATES; ++i) {
         for (int j = 0; j < i; ++j) {
@@ -126,7 +126,7 @@ void estimator_bank_propagate(Vector now, double h, double since, const BankNois
         const Matrix step = multiply(rotation_exp(scale(h, rate)), rotation_exp(more));
         const Matrix J = right_jacobian_of_turn(scale(h, middle));
         double T[3][BANK_STATES], A[3][3], B[3][3];
-        memset(T, 0, sizeof T);
+        (void)memset(T, 0, sizeof T);
         store_matrix(transposed(step), A);
         store_matrix(J, B);
         for (int i = 0; i < 3; ++i) {
@@ -151,13 +151,13 @@ double estimator_bank_correct(const Innovation *innovation, double gate, BankFil
 {
     double P[BANK_STATES][BANK_STATES];
     LongCorrection given;
-    memcpy(P, filter->P, sizeof P);
+    (void)memcpy(P, filter->P, sizeof P);
     const double nis = estimator_correct_states(innovation, BANK_STATES, P[0], &given), unit = innovation->r.x;
     /* Each variance is that of a component once those before it are known: their product is det S. */
     const double ratio = given.variance[0] / unit * (given.variance[1] / unit) * (given.variance[2] / unit);
     filter->score -= 0.5 * (smaller(nis, gate) + log(ratio));
     if (nis <= gate) {
-        memcpy(filter->P, P, sizeof P);
+        (void)memcpy(filter->P, P, sizeof P);
         filter->R = multiply(filter->R, rotation_exp(vector(given.error)));
         filter->bias = add(filter->bias, vector(given.error + ERROR_RATE));
         filter->field_bias = add(filter->field_bias, vector(given.error + ERROR_BIAS));

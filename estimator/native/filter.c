@@ -137,9 +137,9 @@ double estimator_correct(const Innovation *innovation, Covariance *P, Correction
 {
     LongCorrection all;
     const double nis = estimator_correct_states(innovation, ERROR_STATES, P->m[0], &all);
-    memcpy(given->error, all.error, sizeof given->error);
+    (void)memcpy(given->error, all.error, sizeof given->error);
     for (int i = 0; i < 3; ++i) {
-        memcpy(given->gains[i], all.gains[i], sizeof given->gains[i]);
+        (void)memcpy(given->gains[i], all.gains[i], sizeof given->gains[i]);
         given->scaled[i] = all.residual[i] / sqrt(all.variance[i] + innovation->lasting * innovation->lasting);
     }
     return nis;
