@@ -7,8 +7,6 @@ import pytest
 from ..docs.commands import ROOT
 from .measure import RECIPES
 
-pytestmark = pytest.mark.thorough
-
 
 @pytest.mark.parametrize("recipe", sorted(path.name for path in RECIPES.glob("*.*")))
 def test_a_recipe_stands_in_the_page(recipe: str) -> None:
