@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from orchestration import InputError
-from orchestration.errors import hint
+from orchestration.errors import Problem, hint
 from orchestration.quantities import ONE, SECOND, QuantityError, Unit, parse_unit, value_in
 from orchestration.scenario.source import Source
 from orchestration.scenario.text import read
@@ -82,7 +82,8 @@ def requirements(path: Path) -> tuple[tuple[Asked, ...], dict[str, float]]:
     source = read(path)
     data = source.data if isinstance(source.data, dict) else {}
     if strange := [name for name in data if name not in ("requirements", "power")]:
-        raise InputError(source.error((strange[0],), "expected requirements or power"))
+        place = replace(source.place((strange[0],)), name="")  # a file that is none may be confidential
+        raise InputError(Problem(expected="requirements or power", found="another key", place=place))
     listed = data.get("requirements", [] if "power" in data else None)
     if not isinstance(listed, list):
         raise InputError(source.error((), "expected 'requirements', a list of entries with id, text, metric, below"))

@@ -7,7 +7,7 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from ..errors import InputError, Problem, as_written, in_kind, nearest, suggestion
+from ..errors import InputError, Place, Problem, as_written, in_kind, nearest, suggestion
 from .descriptions import descriptions
 from .source import Key, Source
 
@@ -20,8 +20,8 @@ def checked(model: type[T], source: Source, context: Any = None) -> T:
     `context` is the data of the scenario in whose cycles times are counted, by default those of the source.
     """
     if not isinstance(source.data, dict):
-        keys = " and ".join(f"'{name}'" for name in _FIRST.get(model.__name__, ("name", "blocks")))
-        raise InputError(source.error((), expected=f"keys such as {keys}", found=in_kind(source.data)))
+        raise InputError(source.error((), expected=_keys(model), found=in_kind(source.data)))
+    _refuse_foreign(model, source)
     try:
         return model.model_validate(source.data, context=source.data if context is None else context)
     except ValidationError as error:
@@ -33,6 +33,25 @@ def checked(model: type[T], source: Source, context: Any = None) -> T:
             each for key, group in _grouped(source.data, details) for each in _together(model, source, key, group)
         ]
         raise InputError(*dict.fromkeys(problems)) from None
+
+
+def _keys(model: type[BaseModel]) -> str:
+    return "keys such as " + " and ".join(f"'{name}'" for name in _FIRST.get(model.__name__, ("name", "blocks")))
+
+
+def _refuse_foreign(model: type[BaseModel], source: Source) -> None:
+    """Refuses a file of which no key is known, nor nearly: what it holds may be confidential, and is not told.
+
+    Raises InputError.
+    """
+    known = model.model_fields
+    alike = dict[str | None, bool]()
+    for key in source.data:
+        file = source.files.get((key,), source.file)
+        alike[file] = alike.get(file, False) or key in known or nearest(key, known) is not None
+    alike.pop(None, None)
+    if foreign := [file for file, is_alike in alike.items() if not is_alike]:
+        raise InputError(*(Problem(expected=_keys(model), found="none", place=Place(file)) for file in foreign))
 
 
 def _grouped(data: Any, details: list[Any]) -> list[tuple[Key | None, list[Any]]]:

@@ -160,12 +160,14 @@ class _Reader:
                 raise InputError(Problem("merging by '<<' is not supported", remedy=remedy, place=place))
             if name in data:
                 first = self.source.lines[(*key, name)]
-                raise InputError(Problem(f"{name!r} is given twice; first in line {first}", place=place))
+                what = repr(name) if _WORD.match(name) else "a key"  # a file that is no scenario may be confidential
+                raise InputError(Problem(f"{what} is given twice; first in line {first}", place=place))
             self.source.lines[(*key, name)] = line
             data[name] = self._value(value_node, (*key, name))
         return data
 
 
+_WORD = re.compile(r"[A-Za-z_][\w.]{0,39}$")
 _SURROGATE = re.compile("[\ud800-\udfff]")
 
 

@@ -11,6 +11,8 @@ import pytest
 from orchestration import InputError, load
 from orchestration.scenario import mapping
 
+ROOT = Path(__file__).parents[3]
+
 
 def write(path: Path, text: str) -> Path:
     path.write_text(text)
@@ -75,6 +77,18 @@ def test_a_file_that_is_no_scenario_is_not_printed(tmp_path: Path) -> None:
         with pytest.raises(InputError, match="shadow:1: expected keys such as .*, found text") as info:
             read(secret)
         assert "secret" not in str(info.value)
+
+
+@pytest.mark.parametrize("text", ["root:$6$secret:19000:0:99999:7:::\nbin:*:1:::\n", '{"secrets": {"secret": "x"}}\n'])
+def test_a_file_of_keys_that_no_scenario_has_is_not_printed_and_a_misspelt_key_is(text: str, tmp_path: Path) -> None:
+    secret = write(tmp_path / "shadow", text)
+    over = {"name": "a", "extends": [str(ROOT / "scenarios" / "minimal.yaml"), str(secret)]}
+    for read in (load, mapping.load, lambda path: load({"name": "a", "extends": str(path)}), lambda path: load(over)):
+        with pytest.raises(InputError, match="shadow: expected keys such as .*, found none") as info:
+            read(secret)
+        assert "secret" not in str(info.value).replace(str(tmp_path), "")
+    with pytest.raises(InputError, match="shadow:1: unknown key 'durration'; did you mean 'duration'?"):
+        load({"name": "a", "extends": str(write(secret, "durration: 3\n"))})
 
 
 def test_a_colon_within_text_is_told_with_the_remedy(tmp_path: Path) -> None:
