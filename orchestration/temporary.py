@@ -55,7 +55,8 @@ def remove(folder: Path) -> None:
     """Removes a folder of `make`, and gives its lock back; never raises."""
     shutil.rmtree(folder, ignore_errors=True)
     if (lock := _locks.pop(folder, None)) is not None:
-        os.close(lock)
+        with suppress(OSError):  # an FMU has closed it
+            os.close(lock)
 
 
 def _lock(folder: Path) -> None:

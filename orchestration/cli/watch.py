@@ -17,6 +17,7 @@ from typing import NoReturn
 from ..fmu.interfaces import is_path
 from ..instances.confine import end_with
 from ..instances.guest import TRACE
+from ..instances.process import signal_name
 from ..instances.record.recorder import complete
 from ..scenario.scenario import Scenario
 from ..session.limits import limits
@@ -64,14 +65,15 @@ def _wait(child: int, before: set[int], records: Iterable[Path]) -> NoReturn:
     for record in records:
         with suppress(OSError):
             complete(record)
-    if TRACE.done or -status in (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+    killed, lost = -status == signal.SIGKILL, "nothing of this run is written, earlier results are kept"
+    if TRACE.done or killed or -status in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        if killed and not TRACE.done:
+            complain(f"{TRACE.text}: the run was killed (SIGKILL, as the system does for want of memory); {lost}")
         if status < 0:
-            signal.signal(-status, signal.SIG_DFL)
+            with suppress(OSError):  # SIGKILL has no handler
+                signal.signal(-status, signal.SIG_DFL)
             os.kill(os.getpid(), -status)
         os._exit(status)
-    how = f"crashed with {signal.Signals(-status).name}" if status < 0 else f"ended the run with exit status {status}"
-    complain(
-        f"{TRACE.text}: {how}; nothing of this run is written, earlier results are kept; remedy: "
-        "isolation: process, which keeps what was computed"
-    )
+    how = f"crashed with {signal_name(-status)}" if status < 0 else f"ended the run with exit status {status}"
+    complain(f"{TRACE.text}: {how}; {lost}; remedy: isolation: process, which keeps what was computed")
     os._exit(BLOCK_FAILED)

@@ -118,9 +118,13 @@ class Process:
         """How it ended, by its exit status."""
         status = self._popen.returncode
         if status is not None and status < 0:
-            name = signal.Signals(-status).name if -status in set(signal.Signals) else f"signal {-status}"
             text = signal.strsignal(-status) or ""
-            return f"crashed with {name}" + (f" ({text.lower()})" if text else "")
+            return f"crashed with {signal_name(-status)}" + (f" ({text.lower()})" if text else "")
         if status in _WINDOWS:
             return f"crashed with {_WINDOWS[status]}"
         return f"ended its process, with exit status {status}"
+
+
+def signal_name(number: int) -> str:
+    """Returns the name of a signal; those of real time have none."""
+    return signal.Signals(number).name if number in set(signal.Signals) else f"signal {number}"

@@ -1,4 +1,5 @@
-"""What an FMU in this process may change for all others: rounding mode, working folder, signal handlers, open files.
+"""What an FMU in this process may change for all others: rounding mode, flushing of small numbers to zero, working
+folder, signal handlers, limits, open files.
 
 Each is compared with what it was, restored, and noted with the FMU's name. The rounding mode, whose look takes
 nanoseconds, is looked at after each call of the step loop; the rest after the calls of initialization and at the end of
@@ -10,17 +11,25 @@ Tests: tests/orchestration/instances/test_surroundings.py.
 from __future__ import annotations
 
 import ctypes as c
+import math
 import os
 import signal
 import sys
 from contextlib import suppress
 from ctypes.util import find_library
 
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None  # type: ignore[assignment]
+
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGPIPE", "SIGCHLD", "SIGALRM")
 """Those by which a run is ended, or that the FMU's handlers would take from it; a runtime keeps those of crashes."""
 _STANDARD = range(3)
 _ACTION = 512
 """Bytes; a struct sigaction has fewer everywhere."""
+_ENVIRONMENT = 512
+"""Bytes; an fenv_t has fewer everywhere."""
 _HANDLER = c.sizeof(c.c_void_p)
 """Bytes of it that are compared: its first member. The C library leaves some of the others as they happen to be."""
 
@@ -37,7 +46,11 @@ class Surroundings:
         libm = c.CDLL(find_library("m"))
         self.get_round, self.set_round = libm.fegetround, libm.fesetround
         self.mode = self.get_round()
+        self._arithmetic, self._restore = c.create_string_buffer(_ENVIRONMENT), libm.fesetenv
+        libm.fegetenv(self._arithmetic)
         self._libc = c.CDLL(None)
+        limits = ("open files", resource.RLIMIT_NOFILE), ("a file's size", resource.RLIMIT_FSIZE)
+        self._limits = {entry: resource.getrlimit(entry[1])[0] for entry in limits}
         self._folder = os.open(".", os.O_RDONLY | os.O_CLOEXEC)
         self._actions = {name: self._action(name) for name in SIGNALS}
         self._copies = {file: os.dup(file) for file in _STANDARD if _is_open(file)}
@@ -59,6 +72,14 @@ class Surroundings:
         if not self.watches:
             return
         self.look_at_rounding(block, call)
+        if _flushes():
+            self._restore(self._arithmetic)
+            self.note(block, call, "the arithmetic, which took the smallest numbers for zero")
+        for (what, limit), before in self._limits.items():
+            soft, hard = resource.getrlimit(limit)
+            if soft != (wanted := min(before, hard, key=_as_number)):
+                resource.setrlimit(limit, (wanted, hard))
+                self.note(block, call, f"the limit of {what}")
         if not self._is_here():
             os.fchdir(self._folder)
             self.note(block, call, "the working folder")
@@ -95,6 +116,16 @@ class Surroundings:
                 with suppress(OSError):
                     os.close(file)
             self.watches = False
+
+
+def _as_number(limit: int) -> float:
+    return math.inf if limit == resource.RLIM_INFINITY else limit
+
+
+def _flushes() -> bool:
+    """Whether numbers below the smallest normal one are taken for zero."""
+    least = sys.float_info.min
+    return not least / 2 or not math.nextafter(0.0, 1.0) * 2
 
 
 def _is_open(file: int) -> bool:

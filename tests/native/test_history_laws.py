@@ -193,6 +193,17 @@ def test_it_says_why_it_is_safe_each_time(flavour):
             assert flight.y["safe_reason"] == 3
 
 
+def test_the_calm_is_counted_in_the_mode_safe_by_command_too(flavour):
+    """Of a satellite that never turns: it is left at once when the command is taken back."""
+    p = parameters("supervisor", **TIMES)
+    with flavour("supervisor", p, inputs("supervisor", **GIVEN), H) as step:
+        flight = Flight(step, inputs("supervisor", **GIVEN))
+        for _ in range(2):
+            flight.to(NADIR)
+            assert flight.fly(10, command=SAFE) == SAFE
+            assert flight.fly() == ACQUIRE
+
+
 def test_another_point_on_the_ground_is_looked_at_each_time(flavour):
     """The points are given where the Earth's turn brings them to the same place."""
     p, u = parameters("supervisor", **TIMES, **QUICK), inputs("supervisor", **GIVEN)
@@ -246,6 +257,17 @@ def test_the_rate_of_the_field_turns_with_the_body_each_time(flavour):
             wanted = R.T @ RATE_N
             across = wanted - (wanted @ b) * b
             assert y["Omega_ref"] - to == pytest.approx(across, abs=0.15 * np.linalg.norm(across))
+
+
+def test_the_mode_safe_by_command_points_as_the_one_without_an_attitude(flavour):
+    """The command is given at each step; what the field's filter and the calm have come to goes on through it."""
+    p, seen = parameters("supervisor", **CALM), []
+    for command in (0, SAFE):
+        with flavour("supervisor", p, in_field(0.0, np.eye(3)), H) as step:
+            flown = [step(replace(in_field(H * t, np.eye(3)), command=command)) for t in range(1, 300)]
+            seen.append(np.array([y["Omega_ref"] for y in flown]))
+    np.testing.assert_allclose(seen[1], seen[0], atol=1e-12)
+    assert np.linalg.norm(seen[0][-1]) > 1e-3
 
 
 def test_the_field_is_found_anew_each_time_that_the_mode_safe_is_come_to(flavour):

@@ -4,6 +4,7 @@
  * WITHOUT_STEP. */
 #include <fenv.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #define TELLS_ITS_END
@@ -60,8 +61,27 @@ static int broken(Block *b, double t)
     if (is(b, "signal"))
         signal(SIGCHLD, SIG_IGN);
 #endif
+    if (is(b, "flush")) /* numbers below the smallest normal one to zero */
+#if defined(__SSE2__)
+        __builtin_ia32_ldmxcsr(__builtin_ia32_stmxcsr() | 0x8040);
+#elif defined(__aarch64__)
+        __asm__ volatile("msr fpcr, %0" ::"r"(1ul << 24));
+#endif
     if (is(b, "vanish"))
         _exit(0);
+#if !defined(_WIN32)
+    if (is(b, "kill"))
+        kill(getpid(), SIGKILL);
+    if (is(b, "real"))
+        kill(getpid(), 40);
+#endif
+#if !defined(_WIN32)
+    if (is(b, "limit"))
+        setrlimit(RLIMIT_NOFILE, &(struct rlimit){3, 4096});
+#endif
+    if (is(b, "rid"))
+        for (int i = 3; i < 64; i++)
+            close(i);
     if (is(b, "silence"))
         for (int i = 0; i < 3; i++)
             close(i);

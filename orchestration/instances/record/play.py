@@ -6,7 +6,6 @@ Tests: tests/orchestration/instances/record/test_play.py.
 from __future__ import annotations
 
 import shutil
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -19,6 +18,7 @@ from ...errors import InputError, reason
 from ...fmu.archive import Fmu, open_fmu
 from ...temporary import temporary
 from ..compilation import kept
+from ..process import signal_name
 from .recorder import FIRST, FOLDER, complete
 
 RECORD = "calls.bin"
@@ -98,7 +98,7 @@ def _played(command: Sequence[str], work: Path, path: Path) -> Played:
         raise InputError(f"{path}: {log[-1] if log else 'the record cannot be played'}")
     ended = ""
     if done.returncode < 0:
-        ended = f"crashed with {signal.Signals(-done.returncode).name}"
+        ended = f"crashed with {signal_name(-done.returncode)}"
     elif done.returncode not in (0, 1):
         ended = f"ended the program, with exit status {done.returncode}"
     return Played(lines, log, done.returncode == 0, ended)

@@ -67,6 +67,8 @@ def broken_write(path: Path, xml: str, library: bytes) -> None:
     [
         ("step-round", "compiled", "vendor: fmi2DoStep changed the rounding mode; it was restored"),
         ("step-round", "python", "vendor: fmi2DoStep changed the rounding mode; it was restored"),
+        ("step-limit", "compiled", "vendor or other: the run changed the limit of open files; it was restored"),
+        ("step-flush", "compiled", "vendor or other: the run changed the arithmetic, which took the smallest numbers "),
         ("step-move", "compiled", "vendor or other: the run changed the working folder; it was restored"),
         ("step-signal", "compiled", "vendor or other: the run changed the handler of SIGCHLD; it was restored"),
         ("enter-round", "compiled", "vendor: fmi2EnterInitializationMode changed the rounding mode; it was restored"),
@@ -91,6 +93,7 @@ def test_a_change_for_all_is_restored_and_told_with_the_fmu_and_results_are_writ
         ("input-vanish", "compiled", "vendor: fmi2Set at 1 s: ended the run with exit status 0"),
         ("enter-vanish", "compiled", "vendor: fmi2EnterInitializationMode: ended the run with exit status 0"),
         ("step-segfault", "compiled", "vendor: fmi2DoStep at 1 s: crashed with SIGSEGV"),
+        ("step-real", "compiled", "vendor: fmi2DoStep at 1 s: crashed with signal 40"),
         ("terminate-vanish", "compiled", "vendor: fmi2FreeInstance: ended the run with exit status 0"),
     ],
 )
@@ -110,6 +113,19 @@ def test_an_fmu_that_closes_standard_files_loses_no_results_and_the_run_says_so(
     done = run("step-silence")
     assert done.returncode == 0, done.stderr
     assert "changed the file 1 (output), which it closed; it was restored" in done.stdout + done.stderr
+    assert len((tmp_path / "results" / "run" / "signals.csv").read_text().splitlines()) == 22
+
+
+def test_a_run_that_is_killed_says_so_and_ends_by_the_same_signal(run, tmp_path):
+    done = run("step-kill")
+    assert done.returncode == -signal.SIGKILL
+    assert "vendor: fmi2DoStep at 1 s: the run was killed (SIGKILL, as the system does for want of mem" in done.stderr
+
+
+def test_an_fmu_that_closes_the_other_files_loses_no_results_and_the_run_says_so(run, tmp_path):
+    done = run("step-rid")
+    assert done.returncode == 0, done.stderr
+    assert "open files of this program, which it closed" in done.stdout + done.stderr
     assert len((tmp_path / "results" / "run" / "signals.csv").read_text().splitlines()) == 22
 
 
