@@ -63,9 +63,12 @@ def _parsed(text: str, file: str | None) -> Source:
         what = " ".join(filter(None, (error.context, error.problem)))
         if error.context_mark and mark and error.context_mark.line != mark.line:
             what = f"{error.context} from line {error.context_mark.line + 1} on, {error.problem}"
+        what = _HELD.sub("", what)
         remedy = "quote a text that holds a colon with a space behind it" if error.problem == _COLON else ""
         raise InputError(Problem(f"no valid YAML: {what}", remedy=remedy, place=Place(file or "text", line))) from None
-    except (yaml.YAMLError, RecursionError) as error:
+    except RecursionError:
+        raise InputError(_too_much(source)) from None
+    except yaml.YAMLError as error:
         raise InputError(f"{file or 'text'}: no valid YAML: {' '.join(str(error).split())}") from None
     if node is None:
         raise InputError(f"{file or 'text'}: is empty")
@@ -74,6 +77,8 @@ def _parsed(text: str, file: str | None) -> Source:
     return source
 
 
+_HELD = re.compile(r" '(?!<)[^']{2,}'")
+"""What PyYAML quotes of the file, which may be confidential where it is no scenario; names of tokens begin with `<`."""
 _COLON = "mapping values are not allowed here"
 """What PyYAML calls a second colon in a line."""
 

@@ -79,6 +79,13 @@ def test_a_file_that_is_no_scenario_is_not_printed(tmp_path: Path) -> None:
         assert "secret" not in str(info.value)
 
 
+@pytest.mark.parametrize("text", ["password: *secret\n", "- !secret x\n", "&secret a: 1\nb: *secrets\n", "%secret x\n"])
+def test_what_is_no_yaml_is_not_printed(text: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="hidden") as info:
+        load(write(tmp_path / "hidden", text))
+    assert "secret" not in str(info.value)
+
+
 @pytest.mark.parametrize("text", ["root:$6$secret:19000:0:99999:7:::\nbin:*:1:::\n", '{"secrets": {"secret": "x"}}\n'])
 def test_a_file_of_keys_that_no_scenario_has_is_not_printed_and_a_misspelt_key_is(text: str, tmp_path: Path) -> None:
     secret = write(tmp_path / "shadow", text)
