@@ -21,14 +21,14 @@ def checked(model: type[T], source: Source, context: Any = None) -> T:
     """
     if not isinstance(source.data, dict):
         raise InputError(source.error((), expected=_keys(model), found=in_kind(source.data)))
-    _refuse_foreign(model, source)
+    hidden = _foreign(model, source)
     try:
         return model.model_validate(source.data, context=source.data if context is None else context)
     except ValidationError as error:
         details = sorted(error.errors(include_url=False), key=lambda detail: detail["type"] == "missing")
         meant = {(*_key(d)[:-1], _match(model, d)) for d in details if d["type"] == "extra_forbidden"}
         # A misspelt key is not missing as well.
-        details = [d for d in details if d["type"] != "missing" or _key(d) not in meant]
+        details = [d for d in details if (d["type"] != "missing" or _key(d) not in meant) and _key(d) not in hidden]
         problems = [
             each for key, group in _grouped(source.data, details) for each in _together(model, source, key, group)
         ]
@@ -39,19 +39,22 @@ def _keys(model: type[BaseModel]) -> str:
     return "keys such as " + " and ".join(f"'{name}'" for name in _FIRST.get(model.__name__, ("name", "blocks")))
 
 
-def _refuse_foreign(model: type[BaseModel], source: Source) -> None:
-    """Refuses a file of which no key is known, nor nearly: what it holds may be confidential, and is not told.
+def _foreign(model: type[BaseModel], source: Source) -> set[Key]:
+    """Returns the keys of files of which none is known, but for those that are nearly known: what such a file holds may
+    be confidential, and is not told.
 
-    Raises InputError.
+    Raises InputError where a file has no others.
     """
     known = model.model_fields
-    alike = dict[str | None, bool]()
-    for key in source.data:
-        file = source.files.get((key,), source.file)
-        alike[file] = alike.get(file, False) or key in known or nearest(key, known) is not None
-    alike.pop(None, None)
-    if foreign := [file for file, is_alike in alike.items() if not is_alike]:
+    files: dict[str | None, list[Any]] = {}
+    for key in [key for key in source.data if (key,) in source.lines]:
+        files.setdefault(source.files.get((key,), source.file), []).append(key)
+    files.pop(None, None)
+    strange = {file: keys for file, keys in files.items() if not known.keys() & set(keys)}
+    hidden = {file: {(key,) for key in keys if nearest(key, known) is None} for file, keys in strange.items()}
+    if foreign := [file for file, keys in strange.items() if len(hidden[file]) == len(keys)]:
         raise InputError(*(Problem(expected=_keys(model), found="none", place=Place(file)) for file in foreign))
+    return {key for keys in hidden.values() for key in keys}
 
 
 def _grouped(data: Any, details: list[Any]) -> list[tuple[Key | None, list[Any]]]:

@@ -77,7 +77,7 @@ def _parsed(text: str, file: str | None) -> Source:
     return source
 
 
-_HELD = re.compile(r" '(?!<)[^']{2,}'")
+_HELD = re.compile(r" '(?!<|\\.')[^']{2,}'")
 """What PyYAML quotes of the file, which may be confidential where it is no scenario; names of tokens begin with `<`."""
 _COLON = "mapping values are not allowed here"
 """What PyYAML calls a second colon in a line."""

@@ -94,8 +94,9 @@ def test_a_file_of_keys_that_no_scenario_has_is_not_printed_and_a_misspelt_key_i
         with pytest.raises(InputError, match="shadow: expected keys such as .*, found none") as info:
             read(secret)
         assert "secret" not in str(info.value).replace(str(tmp_path), "")
-    with pytest.raises(InputError, match="shadow:1: unknown key 'durration'; did you mean 'duration'?"):
-        load({"name": "a", "extends": str(write(secret, "durration: 3\n"))})
+    with pytest.raises(InputError, match="shadow:1: unknown key 'durration'; did you mean 'duration'?") as info:
+        load({"name": "a", "extends": str(write(secret, "durration: 3\nsecret: 3\n"))})
+    assert "secret" not in str(info.value).replace(str(tmp_path), "")
 
 
 def test_a_colon_within_text_is_told_with_the_remedy(tmp_path: Path) -> None:
