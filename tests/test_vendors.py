@@ -25,17 +25,22 @@ def test_each_kind_can_be_made_alone_and_has_a_truth_of_every_port():
 
 
 @pytest.mark.parametrize(
-    ("kind", "seed", "fmi3"),
-    [("Euler angles", 5, False), ("axes of all, untold", 2, False), ("rate in N, untold", 1, False), ("late", 3, True)],
+    ("kind", "seed", "flavour"),
+    [
+        ("Euler angles", 5, "FMI 2"),
+        ("axes of all, untold", 2, "FMI 2"),
+        ("rate in N, untold", 1, "Python"),
+        ("late", 3, "FMI 3"),
+    ],
 )
 @pytest.mark.compile
-def test_what_was_written_beforehand_is_said_and_nothing_false(kind, seed, fmi3, tmp_path):
+def test_what_was_written_beforehand_is_said_and_nothing_false(kind, seed, flavour, tmp_path):
     ours = read(SCENARIO)
     opened = open_scenario(load(ours))
     case = kinds.make(seed, [kind], units=True)
     block = case.vendor.block
     starts = [(start.element, start.value) for start in opened.plan.starts[block]]
-    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus[block], starts, fmi3)
+    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus[block], starts, flavour)
     verdict = judge(case, path, ours)
     assert not verdict.false
     assert (verdict.proposed, verdict.named) in ((True, None), (None, True)), verdict.said

@@ -30,8 +30,8 @@ Row = dict[str, Any]
 SCENARIO = Path(__file__).parents[2] / "scenarios" / "paper_no_singularity.yaml"
 
 
-def drawn(count: int, seed: int) -> Iterator[tuple[kinds.Case, bool]]:
-    """Yields cases and whether each is of FMI 3.0: each kind alone in turn, then pairs by lot."""
+def drawn(count: int, seed: int) -> Iterator[tuple[kinds.Case, str]]:
+    """Yields cases and how each is packed: each kind alone in turn, then pairs by lot."""
     rng = Random(seed)
     alone = [[name] for name in kinds.KINDS]
     rng.shuffle(alone)
@@ -43,7 +43,8 @@ def drawn(count: int, seed: int) -> Iterator[tuple[kinds.Case, bool]]:
         case = kinds.make(1000 * seed + number, chosen, units=rng.random() < 0.75)
         if case is not None:
             made += 1
-            yield case, rng.random() < 0.25
+            lot = rng.random()
+            yield case, "FMI 3" if lot < 0.25 else "Python" if lot > 0.85 else "FMI 2"
 
 
 @click.command()
@@ -72,9 +73,9 @@ def main(
     with tempfile.TemporaryDirectory() as temporary:
         folder = keep or Path(temporary)
         folder.mkdir(exist_ok=True, parents=True)
-        for number, (case, fmi3) in enumerate(drawn(count, seed)):
+        for number, (case, flavour) in enumerate(drawn(count, seed)):
             block = case.vendor.block
-            name = f"{seed}.{number} {block} FMI {3 if fmi3 else 2} {' + '.join(case.kinds)}"
+            name = f"{seed}.{number} {block} {flavour} {' + '.join(case.kinds)}"
             if name in known or (only and not any(only in kind for kind in case.kinds)):
                 continue
             if perf_counter() - start > 60 * minutes:
@@ -82,7 +83,7 @@ def main(
                 break
             path = folder / f"v{seed}_{number}.fmu"
             starts = [(start.element, start.value) for start in opened.plan.starts[block]]
-            wrapper.pack(path, case.vendor, opened.fmus[block], starts, fmi3)
+            wrapper.pack(path, case.vendor, opened.fmus[block], starts, flavour)
             begun = perf_counter()
             try:
                 verdict = judge(case, path, ours)

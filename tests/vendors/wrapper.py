@@ -1,4 +1,7 @@
-"""Packs a vendor's FMU: vendor.c, one of our blocks, and the table of what is different; FMI 2.0 or 3.0."""
+"""Packs a vendor's FMU: vendor.c, one of our blocks, and the table of what is different.
+
+In C with FMI 2.0 or 3.0, or in Python by PythonFMU.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ from xml.sax.saxutils import quoteattr
 
 import fmpy
 import numpy as np
+from pythonfmu.builder import FmuBuilder
 
 from orchestration.fmu.archive import Fmu, open_fmu
 from orchestration.quantities import parse_unit
@@ -25,6 +29,7 @@ HERE = Path(__file__).parent
 OUTPUTS = 1000
 """The first reference of an output."""
 EFFECTS = ("delay", "hold", "stuck", "limit", "lag", "noise", "dead", "quantum", "single")
+FLAVOURS = ("FMI 2", "FMI 3", "Python")
 Matrix = Any
 """An array of floats."""
 
@@ -83,7 +88,18 @@ def _library(fmi3: bool) -> bytes:
         return out.read_bytes()
 
 
-def pack(path: Path, vendor: Vendor, inner: Fmu, starts: Iterable[tuple[Any, Any]], fmi3: bool = False) -> Path:
+@cache
+def _of_python() -> dict[str, bytes]:
+    """Returns what PythonFMU packs of the slave, by name."""
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / "slave" / "flight_software.py"
+        script.parent.mkdir()
+        shutil.copy(HERE / "slave.py", script)
+        with zipfile.ZipFile(FmuBuilder.build_FMU(script, dest=Path(folder))) as archive:
+            return {n: archive.read(n) for n in archive.namelist() if n.startswith(("binaries/", "resources/"))}
+
+
+def pack(path: Path, vendor: Vendor, inner: Fmu, starts: Iterable[tuple[Any, Any]], flavour: str = "FMI 2") -> Path:
     """Writes the FMU. `starts` are the parameters' values that a scenario gives ours: they are built in."""
     flat = [(name, port) for port in vendor.ports for name in port.names]
     inputs = [pair for pair in flat if pair[1].causality == "input"]
@@ -96,13 +112,15 @@ def pack(path: Path, vendor: Vendor, inner: Fmu, starts: Iterable[tuple[Any, Any
         "resources/table": _table(vendor, inner, starts).encode(),
         "resources/guid": str(inner.model.guid).encode(),
     }
+    binary = {f"binaries/{fmpy.platform}/vendor{fmpy.sharedLibraryExtension}": _library(False)}
+    if flavour == "Python":
+        xml = xml.replace('modelIdentifier="vendor"', 'modelIdentifier="Vendor" needsExecutionTool="true"')
+        binary = {"resources/vendor": _library(False), **_of_python()}
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         archive.writestr("modelDescription.xml", xml)
-        suffix = fmpy.sharedLibraryExtension
-        archive.writestr(f"binaries/{fmpy.platform}/vendor{suffix}", _library(False))
-        for name, data in files.items():
+        for name, data in (binary | files).items():
             archive.writestr(name, data)
-    if fmi3:
+    if flavour == "FMI 3":
         two = open_fmu(path)
         as_fmi3.pack(path, as_fmi3.description(two, {}), _library(True), files, "vendor")
     return path

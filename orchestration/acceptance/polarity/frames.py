@@ -2,13 +2,14 @@
 Earth, and a rate relative to LVLH.
 
 Ours that reads its inputs so has to give what theirs gives; unknown angles are fitted by Gauss and Newton.
+Longer than 250 lines: which frames there are, their words, and the fit of their unknowns decide on each other.
 Tests: tests/orchestration/acceptance/test_frames.py.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -37,6 +38,7 @@ _FAR = 10.0
 """One that leaves so many times the least of some instants is not looked at on the whole run."""
 _LEAST = 1e-5
 """rad; a turn by less is none."""
+_NONE = ((0.0, 0.0, 0.0),)
 _STEP, _TINY, _MOST = 1e-6, 1e-11, 20
 """rad: of differences, and that ends the fit; and so many times it goes on."""
 
@@ -54,6 +56,22 @@ class Reading:
     words: Callable[[Floats], str]
     starts: tuple[tuple[float, ...], ...] = ((),)
     """Of the unknowns, rad; one is fitted from the best of them."""
+    behind: Reading | None = None
+    """Another frame, without unknowns, in which what this one gives is read besides."""
+
+    @property
+    def unknown(self) -> bool:
+        return self.starts != ((),)
+
+    @property
+    def small(self) -> bool:
+        """Whether it is looked for near none."""
+        return self.starts == _NONE
+
+    def every(self, inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:
+        """Returns the inputs that change by this frame and by the one behind it."""
+        made = self.read(inputs, time, unknowns)
+        return made if self.behind is None else made | self.behind.read({**inputs, **made}, time, unknowns[:0])
 
     def size(self, unknowns: Floats) -> float:
         return float(np.degrees(np.linalg.norm(unknowns)))
@@ -99,7 +117,7 @@ def other_frame(
                 tried += [unknowns, _fitted(ours, reading, *whole, start, True)[0]]
         causes: tuple[Cause, ...] = ()
         if rest is not None:
-            made = [(*rest(_played(ours, whole[0], reading.read(*whole[:2], u))), u) for u in tried]
+            made = [(*rest(_played(ours, whole[0], reading.every(*whole[:2], u))), u) for u in tried]
             causes, left, unknowns = min(made, key=lambda one: one[1])
         else:
             unknowns = tried[0]
@@ -112,7 +130,10 @@ def other_frame(
     left, reading, unknowns, causes = found[0]
     others = [f"{r.where}: {r.words(u)}" for _, r, u, _ in found[1:] if len(u) == len(unknowns)]
     words = "; or equally well ".join([reading.words(unknowns), *others])
-    return (Cause("frame", reading.where, reading.size(unknowns), words, left), *causes), left
+    frames = [Cause("frame", reading.where, reading.size(unknowns), words, left)]
+    if (behind := reading.behind) is not None:
+        frames.append(Cause("frame", behind.where, 0.0, behind.words(unknowns[:0]), left))
+    return (*frames, *causes), left
 
 
 def readings(ports: Mapping[str, Port], variables: Mapping[str, Variable]) -> Iterator[Reading]:
@@ -135,6 +156,13 @@ def readings(ports: Mapping[str, Port], variables: Mapping[str, Variable]) -> It
             if frame == "N":
                 yield _of_earth(group, against)
             yield _turned(group, against)
+
+
+def of_two(every: Iterable[Reading]) -> list[Reading]:
+    """Returns the readings of two frames: one with unknowns, and a rate behind it that the orbit so read gives."""
+    some = list(every)
+    rates = [r for r in some if not r.unknown]
+    return [replace(r, behind=rate) for r in some if r.unknown for rate in rates if rate.where != r.where]
 
 
 def _relative(rate: str, matrix: str, r: str, v: str, sign: float) -> Reading:
@@ -173,7 +201,7 @@ def _turned(names: list[str], against: list[str]) -> Reading:
             text += f", as the equator turns in {angle / _PRECESSION:.3g} years (J2000 and of date)"
         return text
 
-    return Reading(_all(names), read, words, ((0.0, 0.0, 0.0),))
+    return Reading(_all(names), read, words, _NONE)
 
 
 def _beside(against: list[str]) -> str:
@@ -221,7 +249,7 @@ def _fitted(
     """Returns the unknowns with which ours is nearest to theirs, and what is left, as a share of theirs."""
 
     def left(unknowns: Floats) -> Floats:
-        return _left(ours, inputs, reading.read(inputs, time, unknowns), given, freed)
+        return _left(ours, inputs, reading.every(inputs, time, unknowns), given, freed)
 
     best = min((np.array(start, float) for start in starts), key=lambda start: float(np.linalg.norm(left(start))))
     now = left(best)

@@ -90,6 +90,8 @@ class Identifier:
         self._finals = {n: _finals(port) for n, port in self.ports.items() if port.causality == "output"}
         self.base: Changes = {}
         """What theirs has to be spared to take its inputs at all."""
+        self._refused: set[tuple[str, str]] = set()
+        """Inputs and wrong wirings of them that ours refuses, such as a matrix that is no rotation."""
         held = self._held(self.few)
         again = self.ours_on(held)
         same = again is not None and all(
@@ -140,7 +142,10 @@ class Identifier:
         return Port(self.block, name, causality, positions, kind, variable.unit or ONE, variable.size)
 
     def candidates(self, name: str) -> list[Wrong]:
-        """Returns the wrong wirings of an input that theirs may behave as."""
+        """Returns the wrong wirings of an input that theirs may behave as, but for those that ours has refused."""
+        return [w for w in self._candidates(name) if (name, w.name) not in self._refused]
+
+    def _candidates(self, name: str) -> list[Wrong]:
         port = self.ports[name]
         tried = wrongs(port)
         if name in self.quaternions:
@@ -186,14 +191,12 @@ class Identifier:
         return made
 
     def misread(self, values: dict[str, Floats], changes: Changes) -> dict[str, Floats]:
-        """Returns inputs as theirs reads them."""
-        read = dict(values)
+        """Returns inputs as theirs reads them: a vector along other axes by the matrix as that is read."""
+        read = values | {n: w.apply(values[n]) for n, w in changes.items() if w.along is None}
         for name, wrong in changes.items():
             if wrong.along is not None:
-                R = values[wrong.along[0]].reshape(-1, 3, 3)
+                R = read[wrong.along[0]].reshape(-1, 3, 3)
                 read[name] = np.einsum("nji,nj->ni" if wrong.along[1] else "nij,nj->ni", R, values[name])
-            else:
-                read[name] = wrong.apply(values[name])
         return read
 
     def error(self, changes: Changes, count: int = INSTANTS) -> Score:
@@ -202,6 +205,8 @@ class Identifier:
         chosen = np.arange(n) if count >= n else np.linspace(0, n - 1, count).astype(int)
         played = self.ours_on(self.misread({k: v[chosen] for k, v in self.few.items()}, {**self.base, **changes}))
         if played is None or self.given is None:
+            if len(changes) == 1:
+                self._refused.update((name, wrong.name) for name, wrong in changes.items())
             return Score(np.inf, np.inf)
         return self.scored(played, {k: v[chosen] for k, v in self.given.items()}, changes)
 

@@ -22,7 +22,7 @@ from ...scenario.source import Source
 from .bench import clock
 from .causes import Cause, causes_of
 from .fly import Loop
-from .frames import other_frame, readings
+from .frames import Reading, of_two, other_frame, readings
 from .identify import ALIKE, CHANGE, COARSE, INSTANTS, MINUS, SAME, Changes, Identifier, Score, key_of, minus_of
 from .parameters import changed_parameter
 from .ports import Port
@@ -36,8 +36,6 @@ _LARGE, _MOST_LEFT = 0.3, 0.15
 """A wiring that leaves so much at most of a difference larger than that is flown, and named where all is met."""
 _SOME = 12
 """So many of the nearest wirings are tried on theirs."""
-_CLEAR = 0.5
-"""And one with a frame and causes where it leaves at most this part of what none leaves."""
 SECONDS = 20.0
 """The search of wirings ends after so long, and each of two searches of parameters."""
 
@@ -86,6 +84,14 @@ class _Wired(NamedTuple):
     first: tuple[str, float] | None
 
 
+class _Framed(NamedTuple):
+    """A wiring, and frames in which its inputs are read besides."""
+
+    score: Score
+    changes: Changes
+    frames: list[Reading]
+
+
 class Search(Identifier):
     """Looks for what explains the difference."""
 
@@ -126,7 +132,8 @@ class Search(Identifier):
             best = self._with_parameter(best, tried[:3], wired, until)
             complete = complete and clock() <= until
         if not best.named:
-            best = self._with_frame(best, wired, clock() + seconds / 2, _clear(tried))
+            framed = self._framed(tried, clock() + seconds / 2)
+            best = self._with_frame(best, wired, clock() + seconds, framed)
         return replace(best, complete=complete)
 
     def _as_wired(self, theirs: dict[str, Floats]) -> tuple[float, tuple[str, float] | None]:
@@ -237,13 +244,12 @@ class Search(Identifier):
         return best
 
     def _with_frame(
-        self, best: Identified, wired: _Wired, ends: float, tried: Sequence[tuple[Score, Changes]] | None = None
+        self, best: Identified, wired: _Wired, ends: float, tried: Sequence[_Framed] | None = None
     ) -> Identified:
         """Looks for a frame in which inputs are read, until the time ends: alone, or with these wirings and causes."""
         assert self.given is not None
-        on_few: Floats = np.asarray(self._kept * self._ours.step, np.float64)
-        on_all: Floats = np.arange(0.0, len(next(iter(self.whole.values())))) * self._ours.step
-        for score, changes in tried or [(Score(0.0, 0.0), {})]:
+        on_few, on_all = self._times()
+        for score, changes, allowed in tried or [_Framed(Score(0.0, 0.0), {}, self._readings())]:
             every, outputs = {**self.base, **changes}, score.outputs
             given = [{n: _mended(outputs, n, v[n]) for n in self.reference} for v in (self.given, wired.outputs)]
             few = self.misread(self.few, every), on_few, given[0]
@@ -252,14 +258,54 @@ class Search(Identifier):
             def rest(ours: Mapping[str, Floats] | None, theirs: dict[str, Floats] = given[1]) -> _Rest:
                 return ((), np.inf) if ours is None else self.explain(dict(ours), theirs, {})
 
-            allowed = readings(self.ports, self._theirs.model.variables)
             made = other_frame(self._ours, allowed, few, whole, ends, None if tried is None else rest)
             if made is not None:
                 found = self._found(every, wired, made[1], made[0], outputs)
                 best = min(best, found, key=_worth) if found.named else best
-            if best.named:
-                return best
+            if (best.named and best.after <= ALIKE) or clock() > ends:
+                break
         return best
+
+    def _times(self) -> tuple[Floats, Floats]:
+        """Returns when the instants and the samples of the whole run are, s."""
+        samples = len(next(iter(self.whole.values())))
+        return np.asarray(self._kept * self._ours.step, np.float64), np.arange(0.0, samples) * self._ours.step
+
+    def _readings(self) -> list[Reading]:
+        return list(readings(self.ports, self._theirs.model.variables))
+
+    def _framed(self, tried: Sequence[tuple[Score, Changes]], ends: float) -> list[_Framed]:
+        """Returns frames, each with the wirings with which it is nearest on some instants, the nearest first.
+
+        A frame from which theirs is turned by little leaves the order of the wirings as it is.
+        """
+        every = self._readings()
+        wirings = [changes for score, changes in tried if np.isfinite(score.cost)]
+        made: dict[tuple[str, ...], _Framed] = {}
+        for reading in [*every, *of_two(every)]:
+            some = [{}] if reading.behind is not None else wirings[:_SOME] if reading.small else wirings
+            near: list[tuple[Score, Changes]] = []
+            for changes in some:
+                scores = [self._read_so(reading, changes, start) for start in reading.starts[::2]]
+                near.append((min(scores, key=lambda score: score.cost), changes))
+                if clock() > ends:
+                    break
+            near.sort(key=lambda pair: pair[0].cost)
+            for score, changes in [*near[:3], *(pair for pair in near[3:] if not pair[1])]:
+                for one in {bool(score.outputs): score, False: Score(score.error, score.cost)}.values():
+                    key = *(f"{n}: {w.name}" for n, w in changes.items()), *(w.name for w in one.outputs.values())
+                    known = made.get(key, _Framed(one, changes, []))
+                    least = min(one, known.score, key=lambda score: score.cost)
+                    made[key] = _Framed(least, changes, [*known.frames, reading])
+        return sorted(made.values(), key=lambda one: one.score.cost)
+
+    def _read_so(self, reading: Reading, changes: Changes, unknowns: tuple[float, ...]) -> Score:
+        """Returns how far theirs is from ours that reads its inputs in another frame and with a wiring."""
+        assert self.given is not None
+        read = self.misread(self.few, {**self.base, **changes})
+        read |= reading.every(read, self._times()[0], np.array(unknowns, float))
+        played = self.ours_on(read)
+        return Score(np.inf, np.inf) if played is None else self.scored(played, self.given, changes)
 
     def _pairs(self, ends: float) -> tuple[list[tuple[Score, Changes]], bool]:
         vectors = [n for n in self.inputs if self.ports[n].kind in ("vector", "rotation") and n not in self.base]
@@ -309,15 +355,6 @@ class Search(Identifier):
         return every + [
             Wrong(f"{now.name}, {w.name}", "axes", now.matrix @ w.matrix) for w in more if w.matrix is not None
         ]
-
-
-def _clear(tried: Sequence[tuple[Score, Changes]]) -> list[tuple[Score, Changes]]:
-    """Returns no wiring, changes of outputs alone, and the nearest wiring, where it is much nearer than none."""
-    plain = next(score for score, changes in tried if not changes)
-    nearest, changes = tried[0]
-    some = [(Score(plain.error, plain.cost), Changes())]
-    some += [(plain, Changes())] if plain.outputs else []
-    return some + ([(nearest, changes)] if changes and nearest.error < _CLEAR * plain.error else [])
 
 
 def _mended(outputs: Mapping[str, Wrong], name: str, values: Floats) -> Floats:

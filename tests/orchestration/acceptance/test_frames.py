@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestration.acceptance.polarity.causes import causes_of
-from orchestration.acceptance.polarity.frames import EARTH_RATE, other_frame, readings
+from orchestration.acceptance.polarity.frames import EARTH_RATE, of_two, other_frame, readings
 from orchestration.acceptance.polarity.ports import Port
 from orchestration.fmu.model import Variable
 from orchestration.quantities import parse_unit
@@ -62,7 +62,7 @@ def late(values):
     return np.concatenate([np.repeat(values[:1], 3, 0), values])[: len(values)]
 
 
-def named(flown, read, changed=None):
+def named(flown, read, changed=None, allowed=lambda every: every):
     """Returns what is named of a block of theirs which reads its inputs so, and whose outputs are changed besides."""
     time, inputs = flown
     variables = {n: Variable(n, "input", shape=(len(v[0]),), frame=FRAMES[n]) for n, v in inputs.items()}
@@ -80,7 +80,7 @@ def named(flown, read, changed=None):
         return tuple(cause for one in made for cause in one[0]), left
 
     whole = inputs, time, theirs
-    made = other_frame(Block(), readings(ports, variables), few, whole, math.inf, rest if changed else None)
+    made = other_frame(Block(), allowed(readings(ports, variables)), few, whole, math.inf, rest if changed else None)
     return made if made is None else (*made[0], made[1])
 
 
@@ -119,6 +119,28 @@ def test_a_rate_relative_to_LVLH_is_named_in_its_direction(flown, sign, words):
     assert cause.where == "omega_B"
     assert words in cause.text
     assert "equally" not in cause.text
+
+
+@pytest.mark.parametrize(
+    ("turned", "where"),
+    [
+        (lambda time, x: x @ erfa.bp00(2451545.0, 26.9 * 365.25)[1].T, ("r_N", "v_N")),
+        (lambda time, x: np.array([turn(2, 4.0 + EARTH_RATE * t) @ y for t, y in zip(time, x, strict=True)]), ("r_N",)),
+    ],
+    ids=["J2000", "Earth"],
+)
+def test_a_rate_relative_to_LVLH_is_named_beside_the_frame_of_the_orbit_that_gives_it(flown, turned, where):
+    def read(time, inputs):
+        orbit = {n: turned(time, inputs[n]) if n in where else inputs[n] for n in ("r_N", "v_N")}
+        orbital = np.cross(orbit["r_N"], orbit["v_N"]) / (orbit["r_N"] ** 2).sum(axis=1, keepdims=True)
+        rate = inputs["omega_B"] + np.einsum("nji,nj->ni", inputs["R_NB"].reshape(-1, 3, 3), orbital)
+        return {n: orbit[n] for n in where} | {"omega_B": rate}
+
+    assert named(flown, read) is None
+    orbit, rate, left = named(flown, read, allowed=of_two)
+    assert orbit.where == " and ".join(where)
+    assert "relative to LVLH" in rate.text
+    assert left < 1e-8
 
 
 def test_a_sensor_that_is_mounted_askew_has_axis_and_angle(flown):
