@@ -16,9 +16,10 @@ from fmus.interface import BLOCKS
 from fmus.interface import load as interface
 from orchestration import InputError
 from orchestration import load as load_scenario
-from orchestration.cli.console import say, say_table
+from orchestration.cli.console import complain, say, say_table
 from orchestration.cli.help import examples
 from orchestration.cli.options import Between
+from orchestration.cli.status import BLOCK_FAILED, EXPECTATION_FAILED
 from orchestration.errors import BlockError, writing
 from orchestration.results.settling import settling
 from orchestration.results.whole import putting
@@ -166,7 +167,9 @@ def compared(source: Source, place: str) -> dict[str, Source]:
 @click.option("--seed", default=1, show_default=True, type=click.IntRange(0), help="Of the tumbles.")
 @click.option("--alone", is_flag=True, help="Only these laws, without those to compare with.")
 @click.option("--out", type=click.Path(path_type=Path, dir_okay=False), help="Write the table to this CSV file.")
+@click.pass_context
 def command(
+    ctx: click.Context,
     laws: tuple[Path, ...],
     scenario: Path,
     place: str,
@@ -183,6 +186,8 @@ def command(
     Beside them fly what stands in the scenario itself, B-dot, quaternion feedback (pd), the same with a wheel that the
     rods empty (unloading), a linear-quadratic regulator (lqr) and the paper's law with gains for the satellite (paper),
     unless --alone is given.
+
+    Exit status: 0 a law settles in a tumble, 1 none does, 2 wrong input, 3 every flight of a law failed.
     """
     source = read(scenario)
     if not isinstance(source.data, dict) or place not in source.data.get("blocks", {}):
@@ -223,6 +228,12 @@ def command(
             writer.writeheader()
             writer.writerows(map(asdict, rows))
         say(f"written: {out}")
+    if lost := [row.law for row in rows if row.failed == row.runs]:
+        complain(f"every flight of {', '.join(lost)} failed")
+        ctx.exit(BLOCK_FAILED)
+    if not any(row.settled for row in rows):
+        complain(f"no law settles for good below {below:g} deg; remedy: a longer --duration, or --below")
+        ctx.exit(EXPECTATION_FAILED)
 
 
 def _s(value: float) -> str:

@@ -9,9 +9,11 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter, ValidationError
+
 from orchestration import InputError
 from orchestration.errors import writing
-from orchestration.results.whole import parsed
+from orchestration.results.whole import parsed, put
 
 REVIEW = "review.json"
 APART = " ‖ "
@@ -69,7 +71,7 @@ class Review:
         """Writes review.json and a CSV file for each table. Raises ResultsError."""
         with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
-            (folder / REVIEW).write_text(json.dumps(asdict(self), indent=1) + "\n", "utf-8")
+            put(folder / REVIEW, json.dumps(asdict(self), indent=1) + "\n")
             for section in self.sections:
                 for table in section.tables:
                     save_table(table, folder / table.file)
@@ -86,21 +88,26 @@ def save_table(table: Table, path: Path) -> None:
 def load(folder: Path) -> Review:
     """Returns the review of a folder. Raises InputError."""
     try:
-        data: dict[str, Any] = parsed(folder / REVIEW)
-        sections = [
-            Section(
-                entry["heading"],
-                [Table(**table) for table in entry["tables"]],
-                [Curves(**curves) for curves in entry["figures"]],
-                entry["notes"],
-                entry["drawing"],
-                entry.get("motion"),
-            )
-            for entry in data["sections"]
-        ]
-        return Review(data["name"], data["description"], data["facts"], sections, data["verdicts"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{folder / REVIEW}: expected what a review wrote, found {error}") from None
+        found: Review = TypeAdapter(Review).validate_python(parsed(folder / REVIEW), strict=True)
+        for section in found.sections:
+            _fits(section)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        first = error.errors()[0] if isinstance(error, ValidationError) else None
+        said = f"{'.'.join(map(str, first['loc']))}: {first['msg']}" if first else str(error)
+        raise InputError(f"{folder / REVIEW}: expected what a review wrote, found {said}") from None
+    return found
+
+
+def _fits(section: Section) -> None:
+    """Raises ValueError where a row or a curve is not as long as what stands beside it, or a view has no name."""
+    lengths = [(table.name, len(table.columns), map(len, table.rows)) for table in section.tables]
+    lengths += [(one.name, len(one.x), map(len, one.y.values())) for one in section.figures]
+    for name, expected, each in lengths:
+        wrong = next((length for length in each if length != expected), None)
+        if wrong is not None:
+            raise ValueError(f"{name}: {wrong} values in the place of {expected}")
+    if section.motion is not None and not isinstance(section.motion.get("name"), str):
+        raise ValueError(f"{section.heading}: motion without its name")
 
 
 def number(value: float, figures: int = 3) -> str:

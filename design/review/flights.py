@@ -25,7 +25,7 @@ from orchestration import InputError, Scenario
 from orchestration.errors import writing
 from orchestration.results.arrays import Arrays
 from orchestration.results.view import view
-from orchestration.results.whole import parsed, put
+from orchestration.results.whole import parsed, put, putting
 from orchestration.scenario.text import written
 from orchestration.session.open import open_fmus
 from orchestration.session.read import load, read
@@ -103,10 +103,8 @@ def _fly(path: Path) -> None:
     result = whole(scenario)
     arrays: dict[str, Any] = {name: np.asarray(result[name]) for name in result}
     failure = "" if result.failure is None else str(result.failure)
-    new = path.with_suffix(".new")
-    with new.open("wb") as file:
+    with writing(kept), putting(kept) as new, new.open("wb") as file:
         np.savez(file, **arrays, time=result.time, failure=np.array(failure), key=np.array(key))
-    new.replace(kept)
 
 
 def motion(file: Path, duration: str, folder: Path) -> dict[str, Any] | None:
@@ -133,10 +131,11 @@ def _key(scenario: Scenario) -> str:
 
 
 def _kept_key(path: Path) -> str:
+    """Returns the hash of a record that can be read whole, else ""."""
     try:
         with np.load(path, allow_pickle=False) as data:
-            return str(data["key"])
-    except (OSError, ValueError, KeyError):
+            return str({name: data[name] for name in data.files}["key"])
+    except Exception:  # NumPy, zipfile and zlib raise what they please of a damaged file, which is flown again
         return ""
 
 

@@ -109,9 +109,23 @@ def test_the_command_flies_all_and_writes_the_table(tmp_path):
 def test_a_law_that_fails_is_counted_and_told(tmp_path):
     law = tmp_path / "wrong.py"
     law.write_text("def step(i, p, t, h):\n    assert t < 2\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
-    result = orchestrate("rank", law, "--alone", "--scenario", SCENARIO, "--runs", 1, "--duration", "4 s")
+    arguments = ("--alone", "--scenario", SCENARIO, "--runs", 1, "--duration", "4 s", "--below", 181)
+    result = orchestrate("rank", law, *arguments)
     assert f"{Path(law)}:2: AssertionError" in result.stderr
     assert "0 of 1" in result.stdout
+    assert (result.exit_code, "every flight of wrong failed" in result.stderr) == (3, True)
+    still = tmp_path / "still.py"
+    still.write_text("def step(i, p, t, h):\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
+    assert orchestrate("rank", law, still, *arguments).exit_code == 3
+    assert orchestrate("rank", still, *arguments).exit_code == 0
+
+
+def test_where_no_law_settles_the_exit_status_is_that_of_a_requirement_that_is_not_met(tmp_path):
+    law = tmp_path / "still.py"
+    law.write_text("def step(i, p, t, h):\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
+    arguments = ("--alone", "--scenario", SCENARIO, "--runs", 1, "--duration", "4 s", "--below", 1e-3)
+    result = orchestrate("rank", law, *arguments)
+    assert (result.exit_code, "no law settles for good below 0.001 deg" in result.stderr) == (1, True)
 
 
 def test_behind_a_law_of_a_set_of_wheels_stands_the_allocator_as_in_the_planned_pyramid():

@@ -1,5 +1,7 @@
 """Two reviews or two runs side by side, and their pages."""
 
+import json
+
 import pytest
 
 from design.review import compare, page
@@ -52,6 +54,33 @@ def test_a_review_is_read_back_as_it_was_saved(tmp_path):
     (tmp_path / "review.json").write_text("{}", "utf-8")
     with pytest.raises(InputError, match=r"review\.json: expected what a review wrote"):
         load(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("name",), 3),
+        (("facts",), ["seed"]),
+        (("verdicts",), 0.5),
+        (("sections", 0, "heading"), True),
+        (("sections", 0, "tables", 0, "rows"), [1]),
+        (("sections", 0, "tables", 0, "rows", 0, 1), 300.0),
+        (("sections", 0, "tables", 0, "rows", 0), ["5 deg"]),
+        (("sections", 0, "figures", 0, "y", "5 deg"), []),
+        (("sections", 0, "figures", 0, "x", 0), "none"),
+        (("sections", 0, "motion"), {}),
+    ],
+)
+def test_a_damaged_review_is_told(tmp_path, path, value):
+    _review("a", "300").save(tmp_path)
+    data = json.loads((tmp_path / "review.json").read_text("utf-8"))
+    entry = data
+    for key in path[:-1]:
+        entry = entry[key]
+    entry[path[-1]] = value
+    (tmp_path / "review.json").write_text(json.dumps(data), "utf-8")
+    with pytest.raises(InputError, match=r"review\.json: expected what a review wrote, found ."):
+        compare.of_folder(tmp_path)
 
 
 def test_two_runs_are_compared_by_start_values_and_expectations(satellite, tmp_path):

@@ -28,10 +28,23 @@ def test_what_has_been_flown_is_not_flown_again(satellite, tmp_path, monkeypatch
     assert len(fly(satellite, [Flight("one", changed, SIGNALS)], tmp_path, 0)["one"].time) == 4
 
 
-def test_a_damaged_record_is_flown_again(satellite, tmp_path):
-    fly(satellite, [Flight("one", CHANGES, SIGNALS)], tmp_path, 0)
-    (tmp_path / "one.npz").write_bytes(b"nothing")
-    assert len(fly(satellite, [Flight("one", CHANGES, SIGNALS)], tmp_path, 0)["one"].time) == 3
+def _in_the_middle(data):
+    """Bytes of an array, which only its checksum tells."""
+    at = data.index(b"NUMPY") + 140
+    return data[:at] + bytes(255 - byte for byte in data[at : at + 8]) + data[at + 8 :]
+
+
+@pytest.mark.parametrize(
+    "damaged",
+    [lambda data: b"nothing", lambda data: b"", lambda data: data[: len(data) // 2], _in_the_middle],
+    ids=["other bytes", "empty", "cut", "bytes in the middle"],
+)
+def test_a_damaged_record_is_flown_again(satellite, tmp_path, damaged):
+    whole = fly(satellite, [Flight("one", CHANGES, SIGNALS)], tmp_path, 0)["one"]
+    record = tmp_path / "one.npz"
+    record.write_bytes(damaged(record.read_bytes()))
+    again = fly(satellite, [Flight("one", CHANGES, SIGNALS)], tmp_path, 0)["one"]
+    assert all((again[name] == whole[name]).all() for name in SIGNALS)
 
 
 def test_a_flight_that_fails_says_why(satellite, tmp_path):
