@@ -88,7 +88,7 @@ def save_table(table: Table, path: Path) -> None:
 def load(folder: Path) -> Review:
     """Returns the review of a folder. Raises InputError."""
     try:
-        found: Review = TypeAdapter(Review).validate_python(parsed(folder / REVIEW), strict=True)
+        found = TypeAdapter(Review).validate_json(json.dumps(parsed(folder / REVIEW)), strict=True)
         for section in found.sections:
             _fits(section)
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:

@@ -46,7 +46,7 @@ def data(facts: Facts) -> Section:
     p, s = facts.satellite.p, facts.satellite
     shown = [
         ("scenario", str(facts.file)),
-        ("mass", f"{s.mass:g} kg" if s.mass else "not stated"),
+        ("mass", f"{s.mass:g} kg" if s.mass else "not stated: --mass"),
         ("principal moments of inertia", _listed(np.asarray(np.linalg.eigvalsh(s.J)), "kg.m2")),
         ("inertia that the flight software believes less the true one", f"{_share(p.J_error_B, p.J_B):.3g} % of it"),
         ("body", f"{1e3 * p.body_width:g} mm wide, {1e3 * p.body_length:g} mm long along {p.body_axis}"),
@@ -90,15 +90,26 @@ def data(facts: Facts) -> Section:
     if not facts.starts.get("plant_sensors"):
         notes.insert(0, "THERE ARE NO SENSORS: the flight software is given the truth.")
     elif facts.size("plant_sensors", "attitude_noise") and "star tracker" in studies.contributors(facts):
-        noise = math.degrees(facts.size("plant_sensors", "attitude_noise"))
-        rate = math.degrees(facts.size("plant_sensors", "attitude_rate_max"))
-        limit = (
-            f"up to {rate:.3g} deg/s" if rate else "at any rate: no star tracker does this; these are PERFECT sensors"
-        )
-        notes.insert(0, f"Attitude is measured to {noise:.3g} deg, {limit}.")
+        notes.insert(0, _measured(facts))
     else:
         notes.insert(0, "No sensor measures attitude: it is estimated from field, Sun and rates.")
     return Section("Satellite", tables, notes=notes, drawing=drawing(p))
+
+
+def _measured(facts: Facts) -> str:
+    """Says how well the attitude is measured: noise across the boresight and about it, what lasts, and the rate."""
+    across, about, lasting, rate = (
+        facts.size("plant_sensors", f"attitude_{name}") for name in ("noise", "noise_about", "bias_B", "rate_max")
+    )
+    told = f"with a noise of {_angle(across)}"
+    told += f" across its boresight and {_angle(about)} about it" if about else ""
+    told += f", and an error of {_angle(lasting)} that lasts" if lasting else ""
+    limit = "at any rate: no star tracker does this; these are PERFECT sensors"
+    return f"Attitude is measured {told}, {f'up to {math.degrees(rate):.3g} deg/s' if rate else limit}."
+
+
+def _angle(size: float) -> str:
+    return as_in_sheets(np.array([size]), "rad")
 
 
 def assumptions(facts: Facts) -> list[list[str]]:

@@ -38,6 +38,8 @@ BOUNDED = 5
 """Tumbles whose least time by the balance of momentum is computed."""
 LEVELS = (15, 5, 2, 1)
 """deg"""
+MORE = 1.25
+"""Of the time in which the last one settles: what the figure shows."""
 _CODE = '''"""Errors of pointing, written by orchestrate review."""
 
 from {package}.budget import rotation_vectors, sizes, to_lvlh
@@ -141,12 +143,11 @@ def section(facts: Facts, options: Options, case: Case, rows: Rows) -> Section:
         f"{len(rows)} tumbles from any attitude at {rate:.3g} "
         f"deg/s in any direction, {ORBITS:g} orbits each, seed {options.seed}; {failed} failed. Their page: "
         "tumbles/campaign.html; one of them again: orchestrate campaign tumbles.yaml --out tumbles --replay RUN",
-        why
-        or f"By the balance of momentum no controller needs less than {min(bounds):.0f} to {max(bounds):.0f} s for "
-        f"the first {len(bounds)} of these tumbles (orchestrate momentum-bound); it counts the attitude as known.",
+        why or _bounded(bounds),
     ]
     steps = [(level, np.sort(values[np.isfinite(values)])) for level, values in settled.items()]
-    grid = np.linspace(0.0, ORBITS * facts.period, 201)
+    latest = max((float(t[-1]) for _, t in steps if len(t)), default=ORBITS * facts.period)
+    grid = np.linspace(0.0, min(MORE * latest, ORBITS * facts.period), 201)
     figure = Curves(
         "Tumbles that have settled",
         (grid / 60.0).tolist(),
@@ -165,6 +166,18 @@ def section(facts: Facts, options: Options, case: Case, rows: Rows) -> Section:
     )
 
 
+def _bounded(bounds: list[float]) -> str:
+    """Says the least times, s, of the first tumbles."""
+    if not max(bounds):
+        return (
+            f"The wheels can hold the momentum of the first {len(bounds)} of these tumbles: its balance bounds no time."
+        )
+    return (
+        f"By the balance of momentum no controller needs less than {min(bounds):.0f} to {max(bounds):.0f} s for "
+        f"the first {len(bounds)} of these tumbles (orchestrate momentum-bound); it counts the attitude as known."
+    )
+
+
 def _times(values: Array) -> list[str]:
     """The share that settled, and quantiles over all; a dash where it has not settled."""
     values = np.where(np.isnan(values), np.inf, values)
@@ -175,8 +188,6 @@ def _times(values: Array) -> list[str]:
 def least_times(facts: Facts, case: Case) -> tuple[list[float], str]:
     """Returns the least times, s, of some tumbles, or why there are none."""
     p = facts.satellite.p
-    if p.is_set:
-        return [], "The bound by the balance of momentum is for one wheel; there is a set of them."
     if not p.dipole_max > 0.0:
         return [], "There are no rods, and no bound by the balance of momentum."
     found = []

@@ -31,6 +31,8 @@ def section(options: Options, rows: Rows, single: Mapping[str, Worst]) -> tuple[
         "Met: the lower bound of the probability, at the confidence asked for, is at least the one required. Not met: "
         "the upper bound is below it. Undecided: neither; --runs with more of them decides.",
     ]
+    if any(one.wrong for one in options.requirements):
+        notes.append(f"Metrics of a review: {', '.join(METRICS)}.")
     return Section("Requirements", [Table("Requirements", COLUMNS, lines)], notes=notes), [row[4] for row in lines]
 
 
@@ -38,7 +40,7 @@ def _line(one: Asked, options: Options, rows: Rows, single: Mapping[str, Worst])
     required = f"{one.probability:g} at {100 * one.confidence:g}%"
     head = [one.id, one.text, f"{one.metric} {one.limit}"]
     if one.wrong:
-        return [*head, required, "not verifiable", "–", "–", "–", f"{one.wrong}; metrics: {', '.join(METRICS)}"]
+        return [*head, required, "not verifiable", "–", "–", "–", one.wrong]
     study, unit, _ = METRICS[one.metric]
     if study != DRAWN:
         return _of_one(one, head, *single.get(one.metric, (math.nan, "")), study)

@@ -19,7 +19,10 @@ def test_perfect_sensors_are_named(four_wheels, tmp_path):
         f"name: perfect\nextends: {four_wheels}\nblocks: {{sensors: {{start: {{attitude_rate_max: 0}}}}}}\n", "utf-8"
     )
     assert "PERFECT" in inputs.data(of.facts(file, None)).notes[0]
-    assert "up to 0.5 deg/s" in inputs.data(of.facts(four_wheels, None)).notes[0]
+    assert inputs.data(of.facts(four_wheels, None)).notes[0] == (
+        "Attitude is measured with a noise of 3.2 arcsec across its boresight and 16 arcsec about it, "
+        "and an error of 17.32 arcsec that lasts, up to 0.5 deg/s."
+    )
 
 
 def test_sensors_have_the_units_of_their_data_sheets(facts):

@@ -1,16 +1,19 @@
 """A whole review, of flights of a minute instead of orbits."""
 
 import csv
+import math
 from base64 import b64decode
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from design.review import compare, content, flights, margins, page, run
+from design.review import compare, content, flights, margins, page, run, tumbles
 from design.review import facts as of
 from design.review.options import Options, requirements
 from evidence.paper import ROOT
+from orchestration.campaign.case import read_campaign
+from orchestration.scenario.text import written
 from orchestration.session.read import load, read
 from orchestration.session.run import whole
 
@@ -70,6 +73,30 @@ def test_the_time_that_is_announced_is_that_of_all_steps_at_the_speed_that_was_m
     steps = orbits * facts.period / facts.scenario.step
     assert float(said.partition("about ")[2].partition(" min")[0]) == pytest.approx(steps / 1000 / 2 / 60, abs=1)
     assert orbits > 2 * 100 + 1.5 * 20
+
+
+def test_least_times_are_those_of_tumbles_whose_momentum_the_wheels_do_not_hold(four_wheels, tmp_path):
+    assert "less than 30 to 41 s for the first 2 of" in tumbles._bounded([41.2, 30.1])
+    assert "its balance bounds no time" in tumbles._bounded([0.0, 0.0])
+    small = tmp_path / "small.yaml"
+    small.write_text(f"name: small\nextends: {four_wheels}\nshared: {{wheel_momentum_max: {4 * ['0.1 mN.m.s']}}}\n")
+    assert _least_times(four_wheels, tmp_path / "four") == [0.0, 0.0]  # four of 2 mN m s
+    found = _least_times(small, tmp_path / "small")
+    J, rate, torque = 0.007, math.radians(4.12), math.sqrt(3.0) * 0.303 * 6e-5  # of the least moment, the most rods
+    assert all((J * rate - 4e-4) / torque < time < 600.0 for time in found)
+
+
+def _least_times(file, folder):
+    folder.mkdir()
+    found = of.facts(file, None)
+    (folder / "pointing.py").write_text(
+        "\n".join(f"def {name}_error(time, signals): return 0.0" for name in ("mean", "relative", "drift"))
+    )
+    entries = tumbles.campaign(found, Options(runs=2, members=1, workers=0), folder)
+    (folder / "tumbles.yaml").write_text(written(entries))
+    times, why = tumbles.least_times(found, read_campaign(folder / "tumbles.yaml"))
+    assert not why
+    return times
 
 
 def test_what_is_drawn_on_a_logarithmic_axis_leaves_out_what_is_next_to_nothing():

@@ -50,7 +50,8 @@ def test_verdicts_have_margin_worst_case_and_reason(tmp_path):
     assert "--replay 7" in rows["R1"]["worst case"]  # that never settles
     assert rows["R1"]["runs, seed"] == "40, seed 3"
     assert float(rows["R2"]["margin"].split()[0]) == pytest.approx(10.0 - 8.0, rel=0.01)  # deg: 90 % are below 8
-    assert "no metric 'jitter'" in rows["R3"]["why"]
+    assert rows["R3"]["why"].startswith("there is no metric 'jitter'")
+    assert section.notes[1].startswith("Metrics of a review: settling_time, ")
     assert rows["R4"]["margin"].startswith("3.9")
     assert "no value of station_error" in rows["R5"]["why"]
 
