@@ -14,7 +14,11 @@
 static const double SAMPLE_EARLY =
     1e-6; /* of the control period: a sample and a plan are due that much before their time */
 
-enum { HEALTH_LOST = 2 }; /* of a sensor that is frozen or inconsistent, or worse */
+/* Whether an estimator goes without this sensor: it is frozen or inconsistent. */
+static inline bool is_lost(int32_t health)
+{
+    return health == 2 || health == 3;
+}
 
 typedef enum { PHASE_STEERING = 1, PHASE_ACQUISITION = 2, PHASE_HOLD = 3, PHASE_DAMPING = 4 } Phase;
 

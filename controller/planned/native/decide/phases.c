@@ -151,7 +151,9 @@ void controller_planned_update_strain(ControllerPlannedState *x, const Standing 
     const double lasts = x->t - x->loaded_since, period = x->scales.period;
     const bool far = s->angle > STRAINED_ANGLE && lasts > STRAINED_TIME * x->scales.time;
     const bool beyond = x->strained && norm(vector(x->identification.p + TORQUE)) > x->scales.disturbance_max;
-    if (far || beyond || lasts > LASTING_ORBITS * period) { /* the wheel possibly cannot keep the hold close */
+    const bool stuck_on = controller_planned_stuck_on(&x->identification);
+    if (far || beyond || stuck_on ||
+        lasts > LASTING_ORBITS * period) { /* the wheel possibly cannot keep the hold close */
         x->strained_until = x->t + STRAINED_ORBITS * period;
     }
     x->strained = x->phase == PHASE_HOLD && !x->rods_alone && x->t < x->strained_until;

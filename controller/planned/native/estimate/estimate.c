@@ -55,6 +55,8 @@ Model controller_planned_estimated(const ControllerPlannedLaw *law, const Contro
     }
     if (x->strained) {
         controller_planned_plan_strained(&model);
+    } else if (!x->rods_alone && controller_planned_stuck_on(&x->identification)) {
+        controller_planned_plan_gently(&model);
     }
     return model;
 }
@@ -127,7 +129,7 @@ Motion controller_planned_corrected(const ControllerPlannedState *x, Matrix R, V
 /* Whether the rods can be watched: the field is a magnetometer's, or turned by an attitude that is known well. */
 static bool shows_rods(const ControllerPlannedInputs *u)
 {
-    return u->field_health < HEALTH_LOST || norm(vector(u->attitude_sigma_B)) < TURNED;
+    return !is_lost(u->field_health) || norm(vector(u->attitude_sigma_B)) < TURNED;
 }
 
 /* The motion before the measurement, its covariance, and what the measurement tells. */
@@ -172,7 +174,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
     controller_planned_set_noise(p, u, &x->identification);
-    controller_planned_set_taught(u->rate_health < HEALTH_LOST, &x->identification);
+    controller_planned_set_taught(!is_lost(u->rate_health), &x->identification);
     controller_planned_set_disturbance(&x->scales, x->strained, &x->identification);
     const Vector bias = vector(x->identification.p + BIAS);
     if (p->find_failures) {

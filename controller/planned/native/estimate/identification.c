@@ -63,6 +63,13 @@ int32_t controller_planned_failed_rod(const Identification *id)
     return failed;
 }
 
+bool controller_planned_stuck_on(const Identification *id)
+{
+    const int at = MOTION + DIPOLE;
+    const double sigma = sqrt(larger(id->P[at][at] + id->P[at + 1][at + 1] + id->P[at + 2][at + 2], 0.0));
+    return id->watch.wide && norm(vector(id->p + DIPOLE)) > id->limit[2] + CERTAIN * sigma;
+}
+
 static void keep_within(double v[3], double limit)
 {
     const double size = norm(vector(v));

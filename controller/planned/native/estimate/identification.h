@@ -90,6 +90,9 @@ double controller_planned_rods_gain(const Identification *id);
 /* The rod, 1 to 3, whose gain is known to be farthest from that of before the flight, where it has failed; 0: none. */
 int32_t controller_planned_failed_rod(const Identification *id);
 
+/* Whether a rod that has failed is stuck on: the satellite's dipole is surely larger than that of a sound one. */
+bool controller_planned_stuck_on(const Identification *id);
+
 /* The covariance after the sample. */
 void controller_planned_propagate(const Passed *passed, Identification *id);
 

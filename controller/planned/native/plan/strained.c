@@ -10,7 +10,6 @@ static const double STRAINED_WEIGHT_WHEEL = 0.1;
 static const double STRAINED_WEIGHT_MOTOR = 100.0; /* the rods have to oppose what the motor gives across the field */
 static const double STRAINED_WEIGHT_FAR = 30.0;    /* of the angle beyond what is far */
 static const double STRAINED_NEAR_LIMIT = 0.97;    /* of what the wheel is let hold */
-static const double TURNED_AWAY = 0.2; /* rad from the target, beyond which a kept motion is not used as a guess */
 
 void controller_planned_plan_strained(Model *model)
 {
@@ -22,6 +21,11 @@ void controller_planned_plan_strained(Model *model)
     scales->weight_far = STRAINED_WEIGHT_FAR;
     scales->near_limit = STRAINED_NEAR_LIMIT * scales->wheel_momentum;
     scales->fast_nutation = true; /* in stages of T the wheel makes any satellite nutate */
+}
+
+void controller_planned_plan_gently(Model *model)
+{
+    model->scales.weight_rate *= STRAINED_WEIGHT_RATE;
 }
 
 void controller_planned_keep_motion(const Plan *plan, const Motion x[STAGES + 1], PlannedMotion *kept)
@@ -46,7 +50,7 @@ static Motion between(const PlannedMotion *kept, int i, double t)
                     a->l + s * (b->l - a->l)};
 }
 
-void controller_planned_guess(const PlannedMotion *kept, const Stage stage[STAGES + 1], Plan *plan,
+void controller_planned_guess(const PlannedMotion *kept, double farthest, const Stage stage[STAGES + 1], Plan *plan,
                               Motion x[STAGES + 1])
 {
     double t = plan->start;
@@ -57,7 +61,7 @@ void controller_planned_guess(const PlannedMotion *kept, const Stage stage[STAGE
         }
         const Target *target = &stage[k].target;
         x[k] = between(kept, i, t);
-        if (t > kept->t[kept->nodes - 1] || principal_angle(multiply(transposed(target->R), x[k].R)) > TURNED_AWAY) {
+        if (t > kept->t[kept->nodes - 1] || principal_angle(multiply(transposed(target->R), x[k].R)) > farthest) {
             x[k].R = target->R;
             x[k].Omega = target->Omega;
             if (k < plan->stages) {

@@ -17,12 +17,15 @@ typedef struct {
 /* Gives the model the weights of a strained hold. */
 void controller_planned_plan_strained(Model *model);
 
+/* Gives the model the weight of rates of a satellite that its own dipole turns away, however well it is held. */
+void controller_planned_plan_gently(Model *model);
+
 /* Keeps the motion x of the plan. */
 void controller_planned_keep_motion(const Plan *plan, const Motion x[STAGES + 1], PlannedMotion *kept);
 
 /* A guess x of the plan's motion from the one that was kept; the target, without controls, where that has ended or
- * turned away. */
-void controller_planned_guess(const PlannedMotion *kept, const Stage stage[STAGES + 1], Plan *plan,
+ * is further away than `farthest`, rad. */
+void controller_planned_guess(const PlannedMotion *kept, double farthest, const Stage stage[STAGES + 1], Plan *plan,
                               Motion x[STAGES + 1]);
 
 #endif
