@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from . import lasting, onboard
+from . import jumps, lasting, onboard
 from .banked import Banked, Seen, by_bank
 from .filter import propagated
 from .health import ATTITUDE, FIELD, RATE, SUN, noticed
@@ -45,10 +45,13 @@ def advanced(
     b_B = new.b_B - rods if usable and new.b_B is not None else None
     sunlight = onboard.sunlight(x.r_N, sun_N)
     sun_B = new.sun_B if sunlight > LIGHT_MIN else None
+    variance = p.field_noise * p.field_noise + p.rod_field_error * p.rod_field_error * float(rods @ rods)
+    x = replace(x, watch=tuple(replace(w, since=w.since + h, jumped=w.jumped + h) for w in x.watch))
+    if banked is None:
+        x = _followed(x, new, b_B, variance, given, p, h)
     x = _noticed(x, new, sun_B, h)
     if banked is None:
         x = _forward(rate_chosen(x, p), new.omega_B, field_N, given, p, h)
-    variance = p.field_noise * p.field_noise + p.rod_field_error * p.rod_field_error * float(rods @ rods)
     if banked is not None:
         x = by_bank(x, banked, new, Seen(b_B, variance, sun_B, field_N, sun_N, sunlight), p, h)
         return _with_field(replace(x, R=orthonormalised(x.R)), b_B if x.watch[FIELD].trusted else None, field_N, h)
@@ -72,6 +75,8 @@ def _forward(x: Estimate, measured: Array | None, field_N: Array, given: Given, 
     """Rate, attitude and covariance h s later."""
     if x.by_gyro:
         x = _by_gyro(x, measured, p, h)
+        turned = x.momentum + (0.0 if given.wheel_torque is None else h * given.wheel_torque)
+        x = replace(x, momentum=turned if given.h_w is None else given.h_w)
     else:
         x = _by_dynamics(x, field_N, given, p, h)
         if measured is not None and p.rate_source == "gyro":
@@ -79,15 +84,23 @@ def _forward(x: Estimate, measured: Array | None, field_N: Array, given: Given, 
     return replace(x, since_start=x.since_start + h)
 
 
+def _followed(
+    x: Estimate, new: Measured, b_B: Array | None, variance: float, given: Given, p: Parameters, h: float
+) -> Estimate:
+    """With the biases of gyro and magnetometer after their jumps."""
+    if new.omega_B is not None:
+        x = jumps.rate_followed(x, new.omega_B, given, p, h)
+    return x if b_B is None else jumps.field_followed(x, b_B, variance)
+
+
 def _noticed(x: Estimate, new: Measured, sun_B: Array | None, h: float) -> Estimate:
     """Each new measurement looked at for itself."""
-    x = replace(x, watch=tuple(replace(w, since=w.since + h) for w in x.watch))
     turns = None if new.R_NB is None else new.R_NB[(0, 1, 2), (1, 2, 0)]
     seen = ((RATE, new.omega_B, False), (FIELD, new.b_B, False), (ATTITUDE, turns, True), (SUN, sun_B, True))
     for sensor, v, every in seen:
         if v is not None:
             x = x.watched(sensor, noticed(x.watch[sensor], v, every))
-    return x
+    return jumps.undone(x)
 
 
 def _with_field(x: Estimate, b_B: Array | None, field_N: Array, h: float) -> Estimate:

@@ -15,7 +15,7 @@ from .so3 import Array, norm
 
 RATE, FIELD, ORBIT, ATTITUDE, SUN = SENSORS = range(5)
 """As the inputs count them, and the output `health`."""
-NONE, GOOD, FROZEN, INCONSISTENT = range(4)
+NONE, GOOD, FROZEN, INCONSISTENT, JUMPED = range(5)
 """The values of the output `health`."""
 FEW, REPEATS = 3.0, 20.0
 """Measurements that repeat the last one: that cast a doubt, and that are a failure for each that did so before in
@@ -28,6 +28,9 @@ WRONG, RIGHT = 1.5, 0.75
 """Length of the average from which on a sensor is wrong, and below which it is right again."""
 CALM = 1500.0
 """s for which a sensor that was wrong has to be right: a quarter of an orbit."""
+JUMP, USUAL, JUST = 8.0, 10.0, 30.0
+"""Of the root mean square of what is usual, from which on a change is a jump; s over which that is averaged; s from a
+jump until the sensor is found to be frozen."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,12 @@ class Watch:
     """s for which that has been small."""
     since: float
     """s from its last measurement."""
+    usual: float
+    """Mean square of its changes that are not expected."""
+    jump: Array
+    """The last one that was far beyond (3,)."""
+    jumped: float
+    """s since."""
 
     @property
     def trusted(self) -> bool:
@@ -64,15 +73,24 @@ class Watch:
 
     @property
     def health(self) -> int:
-        """One of NONE, GOOD, FROZEN, INCONSISTENT."""
+        """One of NONE, GOOD, FROZEN, INCONSISTENT, JUMPED."""
         if self.frozen:
             return FROZEN
         if self.suspect:
             return INCONSISTENT
+        if self.jumped < CALM:
+            return JUMPED
         return GOOD if self.seen else NONE
 
+    @property
+    def jumped_to_rest(self) -> bool:
+        """Whether it is frozen and jumped just before: to its last value."""
+        return self.frozen and self.jumped < JUST
 
-BLANK = Watch(np.zeros(3), np.zeros(3), np.zeros(3), 0.0, False, False, False, np.zeros(3), 0.0, 0.0)
+
+BLANK = Watch(
+    np.zeros(3), np.zeros(3), np.zeros(3), 0.0, False, False, False, np.zeros(3), 0.0, 0.0, 0.0, np.zeros(3), CALM
+)
 
 
 def noticed(w: Watch, v: Array, every: bool) -> Watch:
@@ -104,3 +122,13 @@ def weighed(w: Watch, scaled: Array, within: bool) -> tuple[Watch, bool]:
     size = norm(mean)
     calm = w.calm + w.since if within and size < RIGHT else 0.0
     return replace(w, mean=mean, calm=calm, suspect=w.suspect and not calm > CALM), size > WRONG
+
+
+def jumped(w: Watch, off: Array, least: float) -> tuple[Watch, bool]:
+    """After a change of which `off` (3,) was not expected, and whether that is a jump: longer than `least`, and far
+    longer than is usual."""
+    square, most = float(off @ off), JUMP * JUMP * w.usual
+    jumps = w.changes == REPEATS and square > least * least and square > most
+    usual = w.usual + min(w.since, 1.0) / USUAL * ((most if jumps else square) - w.usual)
+    w = replace(w, usual=usual)
+    return (replace(w, jump=off, jumped=0.0), True) if jumps else (w, False)

@@ -25,6 +25,9 @@ void estimator_blank(const EstimatorLaw *law, const EstimatorInputs *u, Estimate
         x->rate = vector(u->omega_B_measured);
     }
     x->field_calm = ESTIMATOR_CALM;
+    for (int i = 0; i < SENSORS; ++i) {
+        x->watch[i].jumped = ESTIMATOR_CALM;
+    }
     estimator_covariance_at_start(PI, law->p.rate_bias_sigma, law->p.field_bias_sigma, &x->P);
 }
 
@@ -117,17 +120,26 @@ static Matrix orthonormalised(Matrix R)
 }
 
 /* Looks at each new measurement for itself. */
-static void notice(const EstimatorInputs *u, const Fresh *fresh, const Directions *seen, double h, Estimate *x)
+static void notice(const EstimatorLaw *law, const EstimatorInputs *u, const Fresh *fresh, const Directions *seen,
+                   const Given *given, double h, Estimate *x)
 {
     for (int i = 0; i < SENSORS; ++i) {
         x->watch[i].since += h;
+        x->watch[i].jumped += h;
     }
     if (fresh->rate) {
+        if (!law->p.bank) {
+            estimator_follow_rate(law, given, vector(u->omega_B_measured), h, x);
+        }
         estimator_notice(u->omega_B_measured, false, &x->watch[SENSOR_RATE]);
     }
     if (fresh->field && !is_zero(u->b_B_measured)) {
+        if (seen->has_field && !law->p.bank) {
+            estimator_follow_field(seen, x->b_age, x);
+        }
         estimator_notice(u->b_B_measured, false, &x->watch[SENSOR_FIELD]);
     }
+    estimator_undo_jumps(x);
     if (seen->has_tracker) {
         const double turns[3] = {u->R_NB_measured[0][1], u->R_NB_measured[1][2], u->R_NB_measured[2][0]};
         estimator_notice(turns, true, &x->watch[SENSOR_ATTITUDE]);
@@ -145,6 +157,8 @@ static void forward(const EstimatorLaw *law, const EstimatorInputs *u, const Fre
     estimator_choose_rate(law, x);
     if (x->by_gyro) {
         forward_by_gyro(law, u, fresh->rate, h, x);
+        x->momentum =
+            given->has_h_w ? given->h_w : x->momentum + (given->has_wheel_torque ? h * given->wheel_torque : 0.0);
     } else {
         forward_by_dynamics(law, given, seen->field_N, h, x);
         if (fresh->rate && law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO) {
@@ -177,7 +191,7 @@ void estimator_advance(const EstimatorLaw *law, const EstimatorInputs *u, const 
         return;
     }
     const Directions seen = directions(law, u, fresh, given, x);
-    notice(u, fresh, &seen, h, x);
+    notice(law, u, fresh, &seen, given, h, x);
     if (law->p.bank) {
         estimator_by_bank(law, u, fresh, &seen, h, x, bank);
     } else {

@@ -6,6 +6,9 @@ static const double AVERAGED = 60.0; /* s over which innovations are averaged */
 static const double LIMIT = 5.0;     /* of an innovation over its deviation, in the average */
 static const double WRONG = 1.5;     /* length of the average from which on a sensor is wrong */
 static const double RIGHT = 0.75;    /* and below which it is right again */
+static const double JUMP = 8.0;      /* of the root mean square of what is usual */
+static const double USUAL = 10.0;    /* s over which that is averaged */
+static const double JUST = 30.0;     /* s from a jump until the sensor is found to be frozen */
 
 void estimator_notice(const double v[3], bool every, Watch *w)
 {
@@ -29,6 +32,23 @@ void estimator_notice(const double v[3], bool every, Watch *w)
         w->changes = stands ? 0 : REPEATS;
         w->mean[0] = w->mean[1] = w->mean[2] = 0.0;
     }
+}
+
+bool estimator_jumps(Vector off, double least, Watch *w)
+{
+    const double square = dot(off, off), most = JUMP * JUMP * w->usual;
+    const bool jumps = w->changes == REPEATS && square > least * least && square > most;
+    w->usual += (w->since < 1.0 ? w->since : 1.0) / USUAL * ((jumps ? most : square) - w->usual);
+    if (jumps) {
+        w->jump = off;
+        w->jumped = 0.0;
+    }
+    return jumps;
+}
+
+bool estimator_jumped_to_rest(const Watch *w)
+{
+    return w->frozen && w->jumped < JUST;
 }
 
 void estimator_average(const double value[3], double since, double mean[3])
@@ -68,6 +88,9 @@ int32_t estimator_health(const Watch *w)
     }
     if (w->suspect) {
         return HEALTH_INCONSISTENT;
+    }
+    if (w->jumped < ESTIMATOR_CALM) {
+        return HEALTH_JUMPED;
     }
     return w->seen ? HEALTH_GOOD : HEALTH_NONE;
 }

@@ -9,7 +9,7 @@
 /* As the inputs count them, and the output `health`. */
 enum { SENSOR_RATE, SENSOR_FIELD, SENSOR_ORBIT, SENSOR_ATTITUDE, SENSOR_SUN, SENSORS };
 
-enum { HEALTH_NONE, HEALTH_GOOD, HEALTH_FROZEN, HEALTH_INCONSISTENT };
+enum { HEALTH_NONE, HEALTH_GOOD, HEALTH_FROZEN, HEALTH_INCONSISTENT, HEALTH_JUMPED };
 
 /* s for which a sensor that was wrong has to be right: a quarter of an orbit. */
 static const double ESTIMATOR_CALM = 1500.0;
@@ -23,6 +23,9 @@ typedef struct {
     double mean[3]; /* of its innovations over their deviations */
     double calm;    /* s for which that mean has been small */
     double since;   /* s from its last measurement */
+    double usual;   /* mean square of its changes that are not expected */
+    Vector jump;    /* the last one that was far beyond */
+    double jumped;  /* s since */
 } Watch;
 
 /* A new measurement v, of which `every` element, or one, has to repeat to the bit. */
@@ -31,6 +34,9 @@ void estimator_notice(const double v[3], bool every, Watch *w);
 /* A new innovation over its deviation, `since` s after the last one. Returns whether its mean is that of a failure. */
 bool estimator_weigh(const double scaled[3], double since, bool within_gate, Watch *w);
 
+/* Whether a change of which `off` is not expected is a jump: longer than `least`, and far longer than is usual. */
+bool estimator_jumps(Vector off, double least, Watch *w);
+
 /* The mean goes on by a value, each of its elements at most 5, `since` s after the last one. */
 void estimator_average(const double value[3], double since, double mean[3]);
 
@@ -38,6 +44,9 @@ void estimator_average(const double value[3], double since, double mean[3]);
 bool estimator_repeats(const Watch *w);
 
 bool estimator_trusted(const Watch *w);
+
+/* Whether a sensor that is frozen jumped just before: to its last value. */
+bool estimator_jumped_to_rest(const Watch *w);
 
 int32_t estimator_health(const Watch *w);
 

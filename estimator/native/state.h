@@ -101,6 +101,13 @@ extern const int estimator_sensor_of[GATED];
 /* The orbit h s later, with what is measured then where that is of one orbit. */
 void estimator_take_orbit(const EstimatorLaw *law, const EstimatorInputs *u, bool fresh, double h, Estimate *x);
 
+/* The bias of a gyro follows its jump at a new measurement, rad/s, after a step of h s; of a magnetometer likewise,
+ * where x->b_B is that of its last one, `age` s ago before this step; and neither where it has jumped to where it is
+ * frozen. */
+void estimator_follow_rate(const EstimatorLaw *law, const Given *given, Vector measured, double h, Estimate *x);
+void estimator_follow_field(const Directions *seen, double age, Estimate *x);
+void estimator_undo_jumps(Estimate *x);
+
 /* Averages what the sensors say of each other. */
 void estimator_compare(const EstimatorLaw *law, const Directions *seen, Estimate *x);
 
