@@ -6,13 +6,14 @@ With theta, the small turn from LVLH, the rate w relative to it, body axes along
 
 to first order in theta, where the dipole m of the stuck rod turns with the body. The dipoles m_j, the wheel's torque
 and momentum l are within their limits; attitude, rate and l at the beginning are free, and all that comes is known.
-The least largest element of theta is then a linear programme; a controller has no such foresight and does worse.
+The least angle, of which the parts along 13 directions are no larger, is then a linear programme; a controller has no such foresight and does worse.
 Gravity gradient is left out: 3 n^2 J theta is a hundredth of m x B. Angles beyond 30 deg say only that they are large.
 Tests: tests/evidence/health/test_stuck_on.py.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -41,6 +42,11 @@ STATE = 7
 """theta, w, l; behind them in each interval the dipoles and the wheel's torque."""
 
 
+ALONG = np.array([v for v in itertools.product((-1, 0, 1), repeat=3) if v > (0, 0, 0)], float)
+ALONG /= np.linalg.norm(ALONG, axis=1, keepdims=True)
+"""(13, 3) unit vectors to faces, edges and corners of a cube: of an angle the part along each is no larger."""
+
+
 @dataclass(frozen=True)
 class Held:
     """A satellite that is held: J (3,3) kg m2, rods that work (k,3), their limit, the wheel's axis (3,) and its limits
@@ -57,7 +63,7 @@ class Held:
 
 
 def least_angle(s: Held, B: Array, m: Array, dt: float) -> float:
-    """The least largest element of theta, rad, with a dipole m (3,), A m2, in the field B (N,3), T, each for dt, s.
+    """The least largest part of theta, rad, with a dipole m (3,), A m2, in the field B (N,3), T, each for dt, s.
 
     Raises InputError where none is found.
     """
@@ -81,15 +87,15 @@ def least_angle(s: Held, B: Array, m: Array, dt: float) -> float:
     A = sp.hstack(
         (ends - sp.block_diag((sp.block_diag(step), sp.csr_matrix((0, width)))), sp.csr_matrix((given.size, 1)))
     )
-    turn = sp.kron(sp.eye(count + 1), sp.eye(3, width))
-    most = sp.csr_matrix(np.ones((3 * (count + 1), 1)))
+    turn = sp.kron(sp.eye(count + 1), sp.hstack((sp.csr_matrix(ALONG), sp.csr_matrix((len(ALONG), width - 3)))))
+    most = sp.csr_matrix(np.ones((turn.shape[0], 1)))
     limits = np.tile([*[np.inf] * 6, s.momentum_max, *[s.dipole_max] * k, s.torque_max], count + 1)
     cost = np.zeros(width * (count + 1) + 1)
     cost[-1] = 1.0
     programme = (
         cost,
         sp.vstack((sp.hstack((turn, -most)), sp.hstack((-turn, -most)))),
-        np.zeros(6 * (count + 1)),
+        np.zeros(2 * turn.shape[0]),
         A,
         given.ravel(),
         np.column_stack((-np.append(limits, 0.0), np.append(limits, np.inf))),
