@@ -26,6 +26,7 @@ from ..fmus.link.test_strangers import STRANGE
 from ..native.driver import Instance, Refused
 
 STEPS = 60
+TIME_OUT = 0.4  # s, of which a busy machine does not need all
 TROUBLES = ("stranger", "time", "nan", "slow", "loss", "none")
 
 
@@ -68,7 +69,7 @@ def _spoilt(random: Random, data: bytes, trouble: str) -> list[tuple[float, byte
     if trouble == "loss":
         return []
     if trouble == "slow":
-        return [(random.choice((0.02, 0.06, 0.15)), data)]
+        return [(random.choice((0.2, 0.6, 1.5)) * TIME_OUT, data)]
     if trouble not in ("time", "nan") or data[3] != STEP | ANSWER:
         return [(0.0, data)]
     (answer,) = Reader(4000).feed(data)
@@ -94,7 +95,7 @@ def _trial(random: Random, direct: list[np.ndarray], counts: Counter[str], name:
         return _spoilt(random, data, trouble) if spoilt else [(0.0, data)]
 
     port = devices.free_port()
-    settings = {"time_out": 0.1, "tries": random.choice((1, 4)), "when_silent": policy}
+    settings = {"time_out": TIME_OUT, "tries": random.choice((1, 4)), "when_silent": policy}
     with (
         devices.running("controller", "udp", port),
         datagrams(port, rule) as proxy,
