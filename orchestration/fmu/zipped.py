@@ -116,7 +116,8 @@ def _check_entries(path: Path, entries: list[zipfile.ZipInfo]) -> None:
     if size > UNPACKED_MAX:
         raise InputError(f"{shown(path)} would unpack to {size_text(size)}; expected at most {size_text(UNPACKED_MAX)}")
     for entry in entries:
-        name = entry.filename
+        if not (name := entry.filename):
+            raise InputError(Problem(f"{shown(path)} holds an entry without a name", kind="damaged"))
         if name.startswith("/") or "\\" in name or ":" in name or ".." in name.split("/"):
             raise InputError(f"{shown(path)} would unpack to a place outside its folder: {name}")
         if stat.S_ISLNK(entry.external_attr >> 16):

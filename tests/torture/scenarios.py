@@ -1,7 +1,8 @@
 """Scenarios changed at random, in their data, their text and their bytes: each is loaded, planned, and flown where it
 is short.
 
-An input may be refused, with a message, or accepted. Any other exception, and 5 s without an end, is a failure.
+An input may be refused, with a message, or accepted. Any other exception is a failure, and so are 5 s of the processor's
+time, or a minute, without an end.
 """
 
 from __future__ import annotations
@@ -88,7 +89,7 @@ class _Hang(BaseException):
 @click.option("--seed", default=1, show_default=True)
 def command(count: int, seed: int) -> None:
     """Load, plan and fly scenarios that are changed at random."""
-    here, handler = Path.cwd(), signal.signal(signal.SIGALRM, _hang)
+    here, handlers = Path.cwd(), [(number, signal.signal(number, _hang)) for number in (signal.SIGALRM, signal.SIGPROF)]
     with tempfile.TemporaryDirectory() as name:
         os.chdir(name)
         fmus.write_pair(Path())
@@ -106,7 +107,8 @@ def command(count: int, seed: int) -> None:
             if end.startswith("FAILURE"):
                 failures.append(f"input {number}, {file}: {end}")
         os.chdir(here)
-    signal.signal(signal.SIGALRM, handler)
+    for number, handler in handlers:
+        signal.signal(number, handler)
     for end, times in sorted(ends.items()):
         click.echo(f"{times:8}  {end}")
     for failure in failures[:_SHOWN]:
@@ -121,7 +123,8 @@ def _hang(*_: Any) -> None:
 
 def _end(path: Path) -> str:
     """How it ended; a failure with its traceback."""
-    signal.alarm(SECONDS)
+    signal.alarm(12 * SECONDS)
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
         opened = open_scenario(load(path))
         scenario = opened.plan.scenario
@@ -144,6 +147,7 @@ def _end(path: Path) -> str:
         return f"FAILURE: {type(error).__name__}\n{traceback.format_exc(limit=-6)}"
     finally:
         signal.alarm(0)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
 def changed(random: Random, text: str) -> bytes:

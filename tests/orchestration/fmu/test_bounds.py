@@ -83,6 +83,14 @@ def test_more_variables_than_the_limit_are_refused_before_they_are_read(tmp_path
     assert "modelDescription.xml declares 100015 variables; expected at most 100000" in message(path)
 
 
+def test_an_entry_without_a_name_is_refused(motor: Path) -> None:
+    with zipfile.ZipFile(motor, "a") as archive:
+        entry = zipfile.ZipInfo("x")
+        entry.filename = ""
+        archive.writestr(entry, b"1")
+    assert "motor.fmu holds an entry without a name" in message(motor)
+
+
 def test_encrypted_entries_and_names_twice_are_refused(motor: Path) -> None:
     data = bytearray(motor.read_bytes())
     struct.pack_into("<H", data, data.rindex(b"PK\x01\x02") + 8, 1)
