@@ -1,7 +1,7 @@
 """Scenarios changed at random, in their data, their text and their bytes: each is loaded, planned, and flown where it
 is short.
 
-An input may be refused, with a message, or accepted. Any other exception is a failure, and so are 5 s of the processor's
+An input may be refused, with a message, or accepted. Any other exception is a failure, and so are 5 s of processor
 time, or a minute, without an end.
 """
 
