@@ -76,6 +76,16 @@ typedef struct {
 } LongCorrection;
 
 /* P: by rows. */
+/*@ requires 1 <= states <= ERROR_STATES_MAX && \valid(P + (0 .. states * states - 1)) && \valid(given);
+    requires \initialized(P + (0 .. states * states - 1)) && \valid_read(innovation);
+    requires \initialized(&innovation->y) && \initialized(&innovation->H_attitude) && \initialized(&innovation->r);
+    requires \initialized(&innovation->biased);
+    assigns P[0 .. states * states - 1], given->error[0 .. 11], given->residual[0 .. 2], given->variance[0 .. 2],
+        given->gains[0 .. 2][0 .. states - 1], \result \from P[0 .. states * states - 1], *innovation, states;
+    ensures \initialized(P + (0 .. states * states - 1)) && \initialized(given->error + (0 .. 11));
+    ensures \initialized(given->residual + (0 .. 2)) && \initialized(given->variance + (0 .. 2));
+    ensures \initialized(given->gains[0] + (0 .. states - 1)) && \initialized(given->gains[1] + (0 .. states - 1)) &&
+        \initialized(given->gains[2] + (0 .. states - 1)); */
 double estimator_correct_states(const Innovation *innovation, int states, double P[], LongCorrection *given);
 
 #endif

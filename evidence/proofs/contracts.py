@@ -87,8 +87,8 @@ CONTRACTS = (
     Contract(
         "guard, planned",
         "controller/planned/native/decide/guard.c",
-        ("is_command", "bring_within"),
+        ("is_command", "bring_within", "controller_planned_guard"),
         "controller_planned",
-        "a command passes only where it is finite and within its limit",
+        "commands pass only where each is finite and within its limit",
     ),
 )

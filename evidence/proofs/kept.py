@@ -36,9 +36,11 @@ def result_of(subject: Subject) -> Result:
 def _digest(subject: Subject) -> str:
     how = f"{subject.span} {subject.definitions()} {subject.words()} {FLAGS}"
     digest = hashlib.sha256(how.encode())
+    if read := subject.ports or (subject.name if subject.span else ""):
+        interface = Block.named(read).interface
+        digest.update("".join(ports_header(interface).values()).encode())
     if subject.span:
-        interface = Block.named(subject.name).interface
-        digest.update((harness(interface, subject.span) + "".join(ports_header(interface).values())).encode())
+        digest.update(harness(Block.named(subject.name).interface, subject.span).encode())
     own = [HERE / "prelude.h", *([] if subject.span else [HERE / f"{subject.name}.c"])]
     for path in [*_sources(subject), *own]:
         digest.update(path.read_bytes())

@@ -33,8 +33,12 @@ class Subject:
     precision: int = 3
     closely: tuple[str, ...] = ()
     """Functions in which paths are kept apart."""
+    by_contract: tuple[str, ...] = ()
+    """Functions whose contract stands in for their body, which another program proves."""
     sources: tuple[Path, ...] = ()
     headers: tuple[Path, ...] = ()
+    ports: str = ""
+    """The block whose generated headers a program of this folder reads."""
     options: tuple[str, ...] = ()
     quick: bool = False
     """Below ten seconds of one core."""
@@ -45,7 +49,8 @@ class Subject:
 
     def folders(self) -> list[Path]:
         """Where its C stands."""
-        return [Block.named(self.name).folder / "native"] if self.span else [path.parent for path in self.sources]
+        read = self.ports or (self.name if self.span else "")
+        return [Block.named(read).folder / "native"] if read else [path.parent for path in self.sources]
 
     def prove(self, folder: Path, root: Path = PACKAGES) -> Result:
         """Runs Eva in `folder`; `root`: a copy of the packages, with changes. Raises InputError."""
@@ -53,27 +58,29 @@ class Subject:
         program, sources, headers = folder / f"{self.name}.c", list(self.sources), [*self.headers, COMMON]
         if self.span is None:
             program.write_bytes((HERE / program.name).read_bytes())
-        else:
-            block = Block.named(self.name)
-            native = block.folder / "native"
-            sources += [*(p for p in sorted(native.rglob("*.c"))), ELEMENTARY]
-            headers.insert(0, native)
+        if read := self.ports or (self.name if self.span else ""):
+            block = Block.named(read)
+            headers.insert(0, block.folder / "native")
             for name, text in generated_sources(block.interface, block.folder).items():
                 (folder / name).write_text(text, "utf-8")
-            program = folder / "harness.c"
-            program.write_text(harness(block.interface, self.span), "utf-8")
+            if self.span:
+                sources += [*sorted(headers[0].rglob("*.c")), ELEMENTARY]
+                program = folder / "harness.c"
+                program.write_text(harness(block.interface, self.span), "utf-8")
         sources, headers = ([root / p.relative_to(PACKAGES) for p in paths] for paths in (sources, headers))
         define, prelude = self.definitions(), HERE / "prelude.h"
         return analyse(program, sources, headers, self.words(), define, prelude, self.span == "limits")
 
     def definitions(self) -> tuple[str, ...]:
         """Macros of the C that the analysis sees."""
-        return {"limits": ("PROOF_WITHIN_LIMITS",), "any": ("PROOF_DATE_APART",), None: ()}[self.span]
+        return {"limits": ("PROOF_WITHIN_LIMITS",), "any": ("PROOF_APART",), None: ()}[self.span]
 
     def words(self) -> list[str]:
         """Options of Eva for this subject."""
         words = ["-eva-precision", str(self.precision), *self.options, "-warn-special-float"]
-        words += ["non-finite", "-eva-use-spec", ",".join(SPECIFIED)] if self.span == "limits" else ["none"]
+        words.append("non-finite" if self.span == "limits" else "none")
+        if specified := [*self.by_contract, *(SPECIFIED if self.span == "limits" else ())]:
+            words += ["-eva-use-spec", ",".join(specified)]
         if self.span is None:
             return words
         code = Block.named(self.name).interface.code
@@ -86,14 +93,40 @@ _FRAME = (
     *("-no-warn-unsigned-downcast", "-eva-slevel", "5000", "-eva-split-limit", "100"),
     *("-eva-split-return-function", "up_to_mark:full,take_number:full"),
 )
+_UNROLL = ("-eva-auto-loop-unroll", "64")
+
+
+def _whole(name: str, *closely: str, by_contract: tuple[str, ...] = ()) -> Subject:
+    """A block with any numbers, not followed closely but where it refuses."""
+    code = Block.named(name).interface.code
+    calls = ("look", "move", *(f"{code}_{call}" for call in ("start", "outputs", "step")))
+    return Subject(name, "any", 0, (*calls, *closely), by_contract, options=_UNROLL)
+
+
 SUBJECTS = (
     Subject("functions", None, 5, sources=(ELEMENTARY,), options=_BUILTINS, quick=True),
     Subject("date", None, 6, options=("-eva-slevel", "3000"), quick=True),
+    Subject("field", None, 0, options=_UNROLL, quick=True),
+    Subject(
+        *("filter", None, 0),
+        sources=(Block.named("estimator").folder / "native" / "filter.c",),
+        headers=(Block.named("estimator").folder / "native",),
+        options=("-eva-auto-loop-unroll", "160"),
+        quick=True,
+    ),
+    Subject(
+        *("box_qp", None, 0),
+        sources=(Block.named("controller_planned").folder / "native" / "plan" / "box_qp.c",),
+        ports="controller_planned",
+        options=_UNROLL,
+        quick=True,
+    ),
     Subject("frame", None, 4, sources=(NATIVE / "frame.c",), headers=(NATIVE,), options=_FRAME),
     Subject("allocator", "any", 6, quick=True),
     Subject("allocator", "limits", quick=True),
-    Subject("allocator_bounded", "any", 6),
+    _whole("allocator_bounded", "are_rods", "are_wheels", "are_inputs"),
+    _whole("allocator_bounded_wheels", "are_rods", "are_wheels", "are_inputs"),
     Subject("controller", "any", 6),
     Subject("controller", "limits"),
-    Subject("supervisor", "any", 3),
+    _whole("supervisor"),
 )

@@ -67,7 +67,8 @@ void allocator_bounded_actuators(const AllocatorBoundedLaw *law, const Allocator
     const AllocatorBoundedParameters *p = &law->p;
     (void)memset(a, 0, sizeof *a);
     a->rods = RODS(p);
-    a->n = RODS(p) + WHEELS(p);
+    a->wheels = WHEELS(p);
+    a->n = a->rods + a->wheels;
     for (int i = 0; i < a->rods; ++i) {
         a->limit[i] = p->dipole_max * p->rod_limits[i];
         a->torque[i] = scale(a->limit[i], rods[i]);

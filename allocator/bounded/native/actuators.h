@@ -24,7 +24,7 @@
 
 /* In shares of the limits, but for the limits themselves. */
 typedef struct {
-    int rods, n;
+    int rods, wheels, n;
     Vector torque[BOX_N]; /* on the body, N m, at the limit: the columns of the effectiveness matrix */
     double limit[BOX_N];  /* of a rod A m2, of a wheel N m */
     double low[BOX_N], high[BOX_N];

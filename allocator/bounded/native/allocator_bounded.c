@@ -32,19 +32,19 @@ static Commands allocate(const Actuators *a, Vector r)
             box.H[i][k] = dot(a->torque[i], a->torque[k]) + (i == k ? square : 0.0);
         }
     }
-    double x[BOX_N], unbounded[BOX_N];
-    (void)memset(x, 0, sizeof x);
+    double x[BOX_N] = {0.0}, unbounded[BOX_N] = {0.0};
     if (!allocator_bounded_box_minimum(&box, x, unbounded)) {
         return given;
     }
     double fraction = 0.0;
     for (int i = 0; i < a->n; ++i) {
         fraction = larger(fraction, fabs(unbounded[i]));
-        if (i < a->rods) {
-            given.dipole[i] = a->limit[i] * x[i];
-        } else {
-            given.dh_w[i - a->rods] = a->limit[i] * x[i];
-        }
+    }
+    for (int i = 0; i < a->rods; ++i) {
+        given.dipole[i] = a->limit[i] * x[i];
+    }
+    for (int k = 0; k < a->wheels; ++k) {
+        given.dh_w[k] = a->limit[a->rods + k] * x[a->rods + k];
     }
     given.fraction = smaller(fraction, FRACTION_CAP);
     return given;

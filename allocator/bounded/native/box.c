@@ -10,7 +10,8 @@ enum { FREE, LOW, HIGH };
 static void minimum_on_face(const Box *box, const int side[BOX_N], double x[BOX_N])
 {
     double a[BOX_N][BOX_N], y[BOX_N];
-    int index[BOX_N], n = 0;
+    int index[BOX_N] = {0}, n = 0;
+    //@ loop unroll BOX_N;
     for (int i = 0; i < box->n; ++i) {
         if (side[i] == FREE) {
             index[n++] = i;
@@ -18,6 +19,7 @@ static void minimum_on_face(const Box *box, const int side[BOX_N], double x[BOX_
             x[i] = side[i] == LOW ? box->low[i] : box->high[i];
         }
     }
+    //@ split n;
     for (int i = 0; i < n; ++i) {
         y[i] = box->g[index[i]];
         for (int k = 0; k < box->n; ++k) {
@@ -81,13 +83,12 @@ static void following(int n, int side[BOX_N])
 
 bool allocator_bounded_box_minimum(const Box *box, double x[BOX_N], double unbounded[BOX_N])
 {
-    double least = INFINITY;
+    double least = INFINITY, candidate[BOX_N] = {0.0};
     int faces = 1, side[BOX_N] = {FREE};
     for (int i = 0; i < box->n; ++i) {
         faces *= 3;
     }
     for (int face = 0; face < faces && least > 0.0; ++face) {
-        double candidate[BOX_N];
         minimum_on_face(box, side, candidate);
         const double found = violation(box, side, candidate);
         if (found < least) {

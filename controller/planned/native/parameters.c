@@ -11,24 +11,19 @@ enum { SEARCH_ITERATIONS_MAX = 1000 };
 
 static bool check_choices(const ControllerPlannedParameters *p, Fault *f)
 {
-    const struct {
-        const char *name;
-        int32_t value, low, high;
-        const char *expected;
-    } counts[] = {
-        {"field_model", p->field_model, CONTROLLER_PLANNED_FIELD_MODEL_IGRF14, CONTROLLER_PLANNED_FIELD_MODEL_WMM2025,
-         "1 to 5"},
-        {"field_degree", p->field_degree, 1, ONBOARD_DEGREE_MAX, "1 to 13"},
-        {"search_iterations", p->search_iterations, 1, SEARCH_ITERATIONS_MAX, "1 to 1000"},
-    };
     if (p->reference != CONTROLLER_PLANNED_REFERENCE_LVLH && p->reference != CONTROLLER_PLANNED_REFERENCE_INERTIAL) {
         return fault(f, "reference", p->reference,
                      "1 (lvlh) or 2 (inertial); the planned controller does not offer 3 (rate)");
     }
-    for (size_t i = 0; i < COUNT(counts); ++i) {
-        if (counts[i].value < counts[i].low || counts[i].value > counts[i].high) {
-            return fault(f, counts[i].name, counts[i].value, counts[i].expected);
-        }
+    if (p->field_model < CONTROLLER_PLANNED_FIELD_MODEL_IGRF14 ||
+        p->field_model > CONTROLLER_PLANNED_FIELD_MODEL_WMM2025) {
+        return fault(f, "field_model", p->field_model, "1 to 5");
+    }
+    if (p->field_degree < 1 || p->field_degree > ONBOARD_DEGREE_MAX) {
+        return fault(f, "field_degree", p->field_degree, "1 to 13");
+    }
+    if (p->search_iterations < 1 || p->search_iterations > SEARCH_ITERATIONS_MAX) {
+        return fault(f, "search_iterations", p->search_iterations, "1 to 1000");
     }
     return true;
 }

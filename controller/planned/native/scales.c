@@ -41,12 +41,12 @@ static double two_digits(double x)
         shift *= 10.0;
     }
     if (shift > 1.0) {
-        return (int)(x * shift + 0.5) / shift;
+        return whole_part(x * shift + 0.5, 100) / shift;
     }
     while (x / shift >= 100.0) {
         shift *= 10.0;
     }
-    return (int)(x / shift + 0.5) * shift;
+    return whole_part(x / shift + 0.5, 100) * shift;
 }
 
 bool controller_planned_has_L0(const ControllerPlannedParameters *p)

@@ -107,7 +107,7 @@ static inline bool epoch_is_utc(const char *text)
     ensures \result == 1 ==> -63200000000000000 <= epoch->since_j2000 <= 252500000000000000;
     ensures \result == 1 ==> 0 <= epoch->in_year <= 31622400000000;
     ensures \result == 1 ==> 31536000000000 <= epoch->year_length <= 31622400000000; */
-#ifdef PROOF_DATE_APART
+#ifdef PROOF_APART
 extern bool epoch_read(const char *text, Epoch *epoch);
 #else
 static inline bool epoch_read(const char *text, Epoch *epoch)

@@ -67,6 +67,13 @@ static inline bool is_covered_epoch(const char *text, const GaussModel *model, F
 }
 
 /* The field at a date, up to a degree; `error` (T) is added to g10, g11, h11. */
+/*@ requires \valid_read(model) && \valid_read(error + (0 .. 2)) && \valid(field);
+    requires \is_finite(days) && -1e7 <= days <= 1e7 && 1 <= degree <= 13;
+    assigns *field \from *model, days, degree, error[0 .. 2];
+    ensures 1 <= field->degree <= 13 && \initialized(field); */
+#ifdef PROOF_APART
+extern void onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field);
+#else
 static inline void onboard_field(const GaussModel *model, double days, int degree, const double error[3],
                                  OnboardField *field)
 {
@@ -109,9 +116,15 @@ static inline void onboard_field(const GaussModel *model, double days, int degre
     const double seconds = 67310.54841 + (876600.0 * 3600.0 + 8640184.812866) * T + (0.093104 - 6.2e-6 * T) * T * T;
     field->sidereal_angle = (seconds / 86400.0 - (double)(int64_t)(seconds / 86400.0)) * ONBOARD_TURN;
 }
+#endif
 
 /* B_N, T, at a time after the epoch, s, and a position in N, m: the gradient of the potential in spherical
  * components, by recursion of the Schmidt functions and their derivatives. */
+/*@ requires \valid_read(field) && \initialized(field) && 1 <= field->degree <= 13;
+    assigns \result \from *field, t, r_N; */
+#ifdef PROOF_APART
+extern Vector onboard_field_at(const OnboardField *field, double t, Vector r_N);
+#else
 static inline Vector onboard_field_at(const OnboardField *field, double t, Vector r_N)
 {
     const double angle = field->sidereal_angle + ONBOARD_EARTH_RATE * t;
@@ -157,5 +170,6 @@ static inline Vector onboard_field_at(const OnboardField *field, double t, Vecto
     const Vector fixed = {outward * cl - B.z * sl, outward * sl + B.z * cl, B.x * c - B.y * s};
     return (Vector){ca * fixed.x - sa * fixed.y, sa * fixed.x + ca * fixed.y, fixed.z};
 }
+#endif
 
 #endif

@@ -11,6 +11,13 @@ typedef struct {
 } TwoBody;
 
 /* Position and velocity at t, by Lagrange's coefficients of the change in eccentric anomaly. */
+/*@ requires \valid_read(orbit) && \initialized(orbit) && \valid(r_N) && \valid(v_N);
+    requires \separated(orbit, r_N, v_N);
+    assigns *r_N, *v_N \from *orbit, t;
+    ensures \initialized(r_N) && \initialized(v_N); */
+#ifdef PROOF_APART
+extern void two_body_at(const TwoBody *orbit, double t, Vector *r_N, Vector *v_N);
+#else
 static inline void two_body_at(const TwoBody *orbit, double t, Vector *r_N, Vector *v_N)
 {
     const double mu = orbit->mu, dt = t - orbit->t;
@@ -36,5 +43,6 @@ static inline void two_body_at(const TwoBody *orbit, double t, Vector *r_N, Vect
     *r_N = add(scale(f, orbit->r), scale(g, orbit->v));
     *v_N = add(scale(df, orbit->r), scale(dg, orbit->v));
 }
+#endif
 
 #endif

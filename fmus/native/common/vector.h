@@ -176,6 +176,12 @@ static inline int steps_of(double time, double longest)
     return whole < steps ? whole + 1 : whole > 0 ? whole : 1;
 }
 
+/* The whole part of x, within 0 and `most`; 0 of what is no number. */
+static inline int whole_part(double x, int most)
+{
+    return !(x > 0.0) ? 0 : x < most ? (int)x : most;
+}
+
 /* The largest |component|. */
 static inline double largest(Vector v)
 {

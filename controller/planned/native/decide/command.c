@@ -167,7 +167,7 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     store(dOmega_d, y->dOmega_d);
     if (!has_wheel(&model)) {
         if (x->friction.stuck) {
-            const double turns = smaller(0.5 * x->t / (PROBE_SAMPLES * p->control_period), TURNS_MAX);
+            const double turns = clip(0.5 * x->t / (PROBE_SAMPLES * p->control_period), 0.0, TURNS_MAX);
             y->wheel_torque_ff = (turns - (double)(int64_t)turns < 0.5 ? PROBE : -PROBE) * p->wheel_torque_max;
             tau = subtract(tau, scale(y->wheel_torque_ff, model.wheel_axis));
         }

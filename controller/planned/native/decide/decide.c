@@ -100,7 +100,7 @@ static void steer(ControllerPlannedLaw *law, ControllerPlannedState *x, const Ah
                   double dt, bool due, int32_t *work)
 {
     if (due) {
-        *work -= WORK_STEERING;
+        spend(work, WORK_STEERING);
         const double share = controller_planned_rods_share(&law->p, x->identification.p + GAINS);
         const double dipole = STEERING_DIPOLE * law->p.dipole_max * share;
         controller_planned_steer(ahead, x->t, s->D_N, dipole, x->scales.time, law->steering_field, &x->steering);

@@ -29,6 +29,17 @@ static bool bring_within(double *command, double low, double high)
     return is_command(*command, low, high);
 }
 
+/*@ predicate is_within(double command, double limit) =
+        \is_finite(command) && \le_double(\neg_double(limit), command) && \le_double(command, limit); */
+
+/*@ requires \valid_read(rod_limits + (0 .. 2)) && \valid(y) && \valid(f);
+    requires \separated(rod_limits + (0 .. 2), y, f);
+    assigns y->dipole_ff[0 .. 2], y->wheel_torque_ff, y->tau_cmd_B[0 .. 2], *f;
+    ensures \result ==> is_within(y->dipole_ff[0], rod_limits[0]);
+    ensures \result ==> is_within(y->dipole_ff[1], rod_limits[1]);
+    ensures \result ==> is_within(y->dipole_ff[2], rod_limits[2]);
+    ensures \result ==> is_within(y->wheel_torque_ff, torque_max);
+    ensures \result ==> \is_finite(y->tau_cmd_B[0]) && \is_finite(y->tau_cmd_B[1]) && \is_finite(y->tau_cmd_B[2]); */
 bool controller_planned_guard(const double rod_limits[3], double torque_max, ControllerPlannedOutputs *y, Fault *f)
 {
     static const char *const expected = "a finite number for this output";

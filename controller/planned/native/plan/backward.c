@@ -122,7 +122,7 @@ static Motion across_gap(const Model *model, const Stage *stage, const Motion *x
 }
 
 bool controller_planned_backward_pass(const Model *model, const Plan *plan, Workspace *w, int at, bool gaps,
-                                      int32_t *work)
+                                      int32_t kept, int32_t *work)
 {
     BackwardPass *s = &w->pass;
     double hessian[ERRORS];
@@ -136,16 +136,16 @@ bool controller_planned_backward_pass(const Model *model, const Plan *plan, Work
     for (int i = n - 1; i >= 0; --i) {
         const Motion *x = &w->x[at][i];
         const double *u = w->u[at][i], h = plan->h[i];
-        if (*work < (gaps ? WORK_ROLLOUT : 0) + WORK_BACKWARD + WORK_QP) {
+        if (*work < (gaps ? WORK_ROLLOUT : 0) + WORK_BACKWARD + WORK_QP + kept) {
             return false;
         }
         Motion next = x[1];
         if (gaps) {
-            *work -= WORK_ROLLOUT;
+            spend(work, WORK_ROLLOUT);
             next = across_gap(model, &w->stage[i], x, u, h, s);
         }
         expand(model, &w->stage[i], x, &next, u, h, w->weight[i], plan->caution, s);
-        *work -= WORK_BACKWARD + gains(model, x->l, u, h, s, w->k[i], w->K[i]);
+        spend(work, WORK_BACKWARD + gains(model, x->l, u, h, s, w->k[i], w->K[i]));
         carry_back(w->k[i], w->K[i], s);
     }
     return true;

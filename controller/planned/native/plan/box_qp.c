@@ -76,7 +76,7 @@ static double search_along(const BoxQp *qp, const double u[CONTROLS], const doub
                            double trial[CONTROLS], double slope[CONTROLS], int *work)
 {
     double share = 1.0, now = best;
-    for (int k = 0; k < TRIALS && !(now < best); ++k, share *= 0.5) {
+    for (int k = 0; k < TRIALS && (k == 0 || !(now < best)); ++k, share *= 0.5) {
         for (int i = 0; i < CONTROLS; ++i) {
             trial[i] = inside(u[i] + share * step[i], qp->low[i], qp->high[i]);
         }
@@ -109,6 +109,7 @@ int controller_planned_box_qp(const BoxQp *qp, int passes, double u[CONTROLS], b
         u[i] = inside(u[i], qp->low[i], qp->high[i]);
     }
     double best = slope_at(qp, u, slope);
+    //@ loop unroll 13;
     for (int pass = 0;; ++pass) {
         double step[CONTROLS], trial[CONTROLS], there[CONTROLS], expected = 0.0;
         for (int i = 0; i < CONTROLS; ++i) {

@@ -37,12 +37,12 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
     bool near;
     *settles = INFINITY;
     for (int i = 0; i < plan->stages; ++i) {
-        *work -= WORK_ROLLOUT;
+        spend(work, WORK_ROLLOUT);
         const Motion *x = &w->x[to][i], *x0 = &w->x[from][i];
         const double h = plan->h[i];
         double *u = w->u[to][i];
-        memcpy(u, w->u[from][i], sizeof w->u[from][i]);
         if (from != to) {
+            memcpy(u, w->u[from][i], sizeof w->u[from][i]);
             add_feedback(x, x0, share, w->k[i], w->K[i], u);
         }
         u[3] = controller_planned_wheel_within(model, x->l, u[3], h);
@@ -91,17 +91,6 @@ static void weigh(const Plan *plan, double weight[STAGES])
     }
 }
 
-/* Gains for the motion in the first, with so much of the account kept for what comes after; false where the account
- * ends before. */
-static bool backward_pass_keeping(const Model *model, const Plan *plan, Workspace *w, bool gaps, int32_t kept,
-                                  int32_t *work)
-{
-    *work -= kept;
-    const bool passed = controller_planned_backward_pass(model, plan, w, 0, gaps, work);
-    *work += kept;
-    return passed;
-}
-
 /* Cost of the motion from x that follows the plan's from `expected`, into the second, and when it settles. */
 static double follow(const Model *model, const Plan *plan, const Motion *expected, const Motion *x, Workspace *w,
                      double *settles, int32_t *work)
@@ -114,7 +103,7 @@ static double follow(const Model *model, const Plan *plan, const Motion *expecte
         !(rollout(model, plan, w, 0, 0, 0.0, NEVER, &settles_there, work) < NEVER)) {
         return NEVER;
     }
-    return backward_pass_keeping(model, plan, w, false, kept, work)
+    return controller_planned_backward_pass(model, plan, w, 0, false, kept, work)
                ? rollout(model, plan, w, 0, 1, 0.0, NEVER, settles, work)
                : NEVER;
 }
@@ -124,7 +113,7 @@ static int iterate(const Model *model, int now, double settles, int iterations, 
 {
     int used = 0;
     while (used < iterations && *work >= plan->stages * WORK_OF_ITERATION) {
-        const double cost = controller_planned_backward_pass(model, plan, w, now, false, work)
+        const double cost = controller_planned_backward_pass(model, plan, w, now, false, 0, work)
                                 ? line_search(model, plan, w, now, &settles, work)
                                 : NEVER;
         if (!(cost < plan->cost)) {
@@ -178,7 +167,7 @@ void controller_planned_improve_guess(const Model *model, const Motion *x, int i
     w->x[0][0] = w->x[1][0] = *x;
     const int32_t kept = plan->stages * WORK_ROLLOUT; /* for the rollout after the backward pass */
     plan->settles = INFINITY;
-    plan->cost = backward_pass_keeping(model, plan, w, true, kept, work)
+    plan->cost = controller_planned_backward_pass(model, plan, w, 0, true, kept, work)
                      ? rollout(model, plan, w, 0, 1, 1.0, NEVER, &plan->settles, work)
                      : NEVER;
     if (may_be_flown(plan)) {

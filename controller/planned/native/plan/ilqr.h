@@ -43,9 +43,9 @@ int controller_planned_improve(const Model *model, const Motion *expected, const
 void controller_planned_improve_guess(const Model *model, const Motion *x, int iterations, Plan *plan, Workspace *w,
                                       int32_t *work);
 
-/* Sets w->k and w->K for the motion in w->x[at], whose stages may have gaps between them; false where the account
- * ends before. */
+/* Sets w->k and w->K for the motion in w->x[at], whose stages may have gaps between them; false where no more than
+ * `kept` of the account, for what comes after, would be left before. */
 bool controller_planned_backward_pass(const Model *model, const Plan *plan, Workspace *w, int at, bool gaps,
-                                      int32_t *work);
+                                      int32_t kept, int32_t *work);
 
 #endif

@@ -66,7 +66,7 @@ void controller_planned_survey(const Ahead *ahead, const Plan *plan, Stage stage
         t += plan->h[i];
     }
     stage[plan->stages].target = controller_planned_target_at(ahead, t);
-    *work -= plan->stages * WORK_SURVEY;
+    spend(work, plan->stages * WORK_SURVEY);
 }
 
 Horizon controller_planned_horizon(double T)
@@ -81,7 +81,7 @@ static int stages_left(const Horizon *horizon, double s, double end)
     int stages = 0;
     for (int i = 0; i < PIECES; ++i) {
         const double begin = i > 0 ? horizon->until[i - 1] : 0.0, until = smaller(horizon->until[i], end);
-        stages += (int)(larger(until - larger(s, begin), 0.0) / horizon->stage[i]);
+        stages += whole_part(larger(until - larger(s, begin), 0.0) / horizon->stage[i], STAGES);
     }
     return stages;
 }
@@ -95,25 +95,25 @@ void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const
     Motion now = x != NULL ? *x : (Motion){identity, {0.0, 0.0, 0.0}, 0.0};
     Place place = {0, was != NULL ? was->start : 0.0};
     double s = 0.0;
-    int piece = 0;
+    int piece = 0, stages = 0;
     memset(plan, 0, sizeof *plan); /* to the last byte: plans are part of a saved state */
     plan->start = t;
     plan->urgent = urgent;
     plan->until = was != NULL ? was->until : t;
     plan->caution = was != NULL ? was->caution : 0.0;
-    while (s < length - early) {
-        while (s >= horizon->until[piece] - early) {
+    while (s < length - early && stages < STAGES) {
+        while (piece < PIECES - 1 && s >= horizon->until[piece] - early) {
             ++piece;
         }
         const double whole = horizon->stage[piece];
         /* A stage is divided while enough stages are left for the rest of the horizon. */
-        const int left = STAGES - plan->stages - stages_left(horizon, s, length) - 1;
+        const int left = STAGES - stages - stages_left(horizon, s, length) - 1;
         const double turn = x != NULL ? norm(now.Omega) * whole : 0.0;
         const int wanted = turn > FASTER ? 4 : turn > FAST ? 2 : 1;
         const int parts = left >= 4 ? wanted : 1;
-        for (int i = 0; i < parts; ++i) {
+        for (int i = 0; i < parts && stages < STAGES; ++i) {
             const double h = whole / parts;
-            const int k = plan->stages++;
+            const int k = stages++;
             plan->h[k] = h;
             survey_stage(ahead, t + s, h, &stage[k]);
             double *u = plan->u[k];
@@ -125,6 +125,7 @@ void controller_planned_lay_stages(const Model *model, const Ahead *ahead, const
             s += h;
         }
     }
-    stage[plan->stages].target = controller_planned_target_at(ahead, t + s);
-    *work -= plan->stages * WORK_LAY;
+    plan->stages = stages;
+    stage[stages].target = controller_planned_target_at(ahead, t + s);
+    spend(work, stages * WORK_LAY);
 }

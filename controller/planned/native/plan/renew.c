@@ -15,7 +15,7 @@ static int32_t behind(const Model *model, bool strained, double *stage)
     const double wanted = orbits * model->scales.period;
     const double lacks = larger(wanted - model->horizon.until[PIECES - 1], 0.0);
     *stage = larger(STAGE_LONG * T, lacks / LONGER_MAX);
-    return (int32_t)(lacks / *stage + 0.5);
+    return whole_part(lacks / *stage + 0.5, STAGES);
 }
 
 /* The horizon longer by so many stages at its end; or shorter, but for its first piece. */
@@ -41,7 +41,7 @@ static bool improve(ControllerPlannedLaw *law, const ControllerPlannedState *x, 
     const bool kept = (x->strained || x->rods_alone) && x->planned.nodes > 0 && was == &x->plan;
     if (kept) {
         controller_planned_lay_stages(model, ahead, NULL, x->t, urgent, was, &law->trial, w->stage, work);
-        *work -= law->trial.stages * WORK_GUESS;
+        spend(work, law->trial.stages * WORK_GUESS);
         controller_planned_guess(&x->planned, x->rods_alone ? INFINITY : TURNED_AWAY, w->stage, &law->trial, w->x[0]);
         controller_planned_improve_guess(model, now, ITERATIONS, &law->trial, w, work);
         if (!x->rods_alone || may_be_flown(&law->trial) ||
@@ -61,8 +61,8 @@ bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
     const bool urgent = controller_planned_is_urgent(x, usual), hold = x->phase == PHASE_HOLD && has_wheel(usual);
     double stage;
     const int32_t most = behind(usual, x->strained, &stage);
-    const int32_t least =
-        (int32_t)((usual->horizon.until[0] - usual->horizon.until[1]) / usual->horizon.stage[1] - 0.5);
+    const double second = usual->horizon.until[1] - usual->horizon.until[0];
+    const int32_t least = -whole_part(second / usual->horizon.stage[1] + 0.5, STAGES);
     Model model = *usual;
     x->longer = !hold ? 0 : x->longer < most ? x->longer + 1 : most;
     for (;;) {

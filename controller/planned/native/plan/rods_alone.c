@@ -44,7 +44,7 @@ void controller_planned_plan_by_rods(Model *model, const Plan *was)
  * constants). */
 static double draw(uint32_t *random)
 {
-    *random = *random * UINT32_C(1664525) + UINT32_C(1013904223);
+    *random = (*random * UINT32_C(1664525) + UINT32_C(1013904223)) & UINT32_C(0xffffffff);
     return (double)(*random >> 8) / 16777216.0;
 }
 

@@ -67,8 +67,8 @@ void controller_planned_cascade(const Model *model, const Motion *x, const Turn 
             subtract(apply_transposed(Q, stage->target.Omega), scale(size > ANGLE_MIN ? speed / size : 0.0, zeta));
         Vector tau = scale(-damping, apply(model->J, subtract(now.Omega, wanted)));
         tau = subtract(tau, cross(momentum_of(model, &now), now.Omega));
-        *work -= WORK_CASCADE + controller_planned_controls_for(model, tau, apply_transposed(now.R, stage->around.B_N),
-                                                                now.l, plan->u[i]);
+        const Vector B_B = apply_transposed(now.R, stage->around.B_N);
+        spend(work, WORK_CASCADE + controller_planned_controls_for(model, tau, B_B, now.l, plan->u[i]));
         now = controller_planned_advanced(model, &stage->around, &now, plan->u[i], plan->h[i]);
         s += plan->h[i];
     }
@@ -106,11 +106,11 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
             controller_planned_lay_stages(model, ahead, &search->x, search->t, search->urgent, NULL, &search->trial,
                                           w->stage, work);
             if (search->urgent) {
-                search->trial.until += STRAIGHT[search->start].until * model->scales.time;
+                search->trial.until += STRAIGHT[search->start % STARTS].until * model->scales.time;
             }
             if (search->start > 0) {
-                const Turn turn =
-                    wheel ? straight(model, search->start) : controller_planned_random_turn(model, &search->random);
+                const Turn turn = wheel ? straight(model, search->start % STARTS)
+                                        : controller_planned_random_turn(model, &search->random);
                 controller_planned_cascade(model, &search->x, &turn, &search->trial, w->stage, work);
             }
         } else {
@@ -120,7 +120,7 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
         const int used = controller_planned_improve(model, NULL, &search->x,
                                                     iterations < until_hastened ? iterations : until_hastened,
                                                     &search->trial, w, work);
-        search->left -= used;
+        search->left = search->left > used ? search->left - used : 0;
         iterations -= used;
         const bool compared = search->left % ITERATIONS_AT_ONCE == 0;
         if ((fresh && search->start == 0) ||
@@ -130,7 +130,7 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
         if (compared) {
             controller_planned_hasten(&search->trial);
         }
-        if (search->left == 0 && ++search->start == (wheel ? STARTS : RODS_STARTS)) {
+        if (search->left == 0 && ++search->start >= (wheel ? STARTS : RODS_STARTS)) {
             search->active = false;
             search->ready = may_be_flown(&search->best);
         }

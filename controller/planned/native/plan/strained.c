@@ -53,15 +53,16 @@ static Motion between(const PlannedMotion *kept, int i, double t)
 void controller_planned_guess(const PlannedMotion *kept, double farthest, const Stage stage[STAGES + 1], Plan *plan,
                               Motion x[STAGES + 1])
 {
+    const int last = kept->nodes > 0 ? kept->nodes - 1 : 0;
     double t = plan->start;
     int i = 0;
     for (int k = 0; k <= plan->stages; ++k) {
-        while (i < kept->nodes - 2 && t > kept->t[i + 1]) {
+        while (i < last - 1 && t > kept->t[i + 1]) {
             ++i;
         }
         const Target *target = &stage[k].target;
         x[k] = between(kept, i, t);
-        if (t > kept->t[kept->nodes - 1] || principal_angle(multiply(transposed(target->R), x[k].R)) > farthest) {
+        if (t > kept->t[last] || principal_angle(multiply(transposed(target->R), x[k].R)) > farthest) {
             x[k].R = target->R;
             x[k].Omega = target->Omega;
             if (k < plan->stages) {

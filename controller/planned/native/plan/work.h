@@ -21,7 +21,14 @@ enum {
     /* Of a quadratic programme: */
     WORK_PASS = 9, /* with one trial */
     WORK_TRIAL = 2,
-    WORK_ONE_BY_ONE = 3
+    WORK_ONE_BY_ONE = 3,
+    WORK_LEAST = -1000000000 /* no account is overdrawn by more, whatever is asked for */
 };
+
+/* Takes work from an account. */
+static inline void spend(int32_t *account, int32_t work)
+{
+    *account = *account > WORK_LEAST + work ? *account - work : WORK_LEAST;
+}
 
 #endif
