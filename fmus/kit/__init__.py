@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface, parse
 from ..native import COMMON, SHELL
 from ..native.generate import block_header, ports_header, table
-from .fill import filled
+from .fill import by_default, filled
 
 SCENARIO = places.shared("scenarios") / "paper_singularity.yaml"
 """The run of which the test vector is a part, if no other is asked for."""
@@ -59,10 +60,17 @@ def own(text: str, file: str) -> Interface:
     return replace(interface, code=interface.name)
 
 
-def write(interface: Interface, folder: Path, language: str, law: bytes | None = None) -> list[Path]:
+def write(
+    interface: Interface,
+    folder: Path,
+    language: str,
+    law: bytes | None = None,
+    left_out: Mapping[str, float | str] | None = None,
+) -> list[Path]:
     """Writes the project and returns its files; those of the team that are there already are kept. Raises InUse.
 
-    `law` is the text of a law in Python, which the block then has in the place of one to be filled in.
+    `law` is the text of a law in Python, which the block then has in the place of one to be filled in; `left_out` has
+    what an output is that it leaves out: an input's name, or a number. Others are zero.
     """
     refuse_other(interface, folder)
     interface = for_teams(interface)
@@ -78,7 +86,9 @@ def write(interface: Interface, folder: Path, language: str, law: bytes | None =
     else:
         kept["build.py"] = filled("build.py.template", interface)
         kept[f"{interface.name}/__init__.py"] = filled("package.py.template", interface)
-        kept[f"{interface.name}/block.py"] = filled(f"{'law_' if law else ''}block.py.template", interface)
+        kept[f"{interface.name}/block.py"] = filled(
+            f"{'law_' if law else ''}block.py.template", interface, left_out=by_default(interface, left_out or {})
+        )
         if law:
             files[f"{interface.name}/law.py"] = law
     for name, data in kept.items():

@@ -7,6 +7,7 @@ Tests: tests/fmus/kit/test_kit.py.
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 
 from .. import places
@@ -75,6 +76,17 @@ def _comment(variable: Variable) -> str:
 def _zeros(variables: list[Variable]) -> str:
     text = f"return Outputs({', '.join(f'{v.name}={_zero(v)}' for v in variables)})"
     return textwrap.fill(text, 116, initial_indent="    ", subsequent_indent="        ", break_long_words=False)
+
+
+def by_default(interface: Interface, left_out: Mapping[str, float | str]) -> str:
+    """The text of the values, by names of outputs, that a law may leave out: an input, or a number."""
+    items = [
+        f'"{v.name}": ' + (f"u.{value}" if isinstance(value, str) else f"np.full({v.shape}, {value!r})" if v.shape
+                           else repr(value))
+        for v in interface.of("output")
+        if (value := left_out.get(v.name)) is not None
+    ]  # fmt: skip
+    return "".join(f"        {item},\n" for item in items)
 
 
 def _zero(variable: Variable) -> str:

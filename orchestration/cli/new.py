@@ -23,6 +23,8 @@ from fmus.native.toolchain import CompilerError
 from ..acceptance.vector import name_of, record, scenario_of
 from ..errors import InputError, hint, writing
 from ..fmu.archive import shown
+from ..instances.law import ESTIMATE
+from ..session.open import asked_for, open_fmus
 from ..session.read import load as load_scenario
 from .console import say
 from .help import examples
@@ -112,8 +114,12 @@ def command(
         with writing(target), _undone(target):
             kit.refuse_other(load(block), target, "vector", *(linked.PARTS if link_ else ()))
             rows = record(run, block, target / "vector")
-            text = law.read_bytes() if law else None
-            files = linked.write(load(block), target, lang) if link_ else kit.write(load(block), target, lang, text)
+            if link_:
+                files = linked.write(load(block), target, lang)
+            elif law is None:
+                files = kit.write(load(block), target, lang)
+            else:
+                files = kit.write(load(block), target, lang, law.read_bytes(), _left_out(run, block))
     except (kit.InUse, CompilerError) as error:
         raise InputError(str(error)) from None
     say(f"{target}: {len(files)} files, and a test vector of {rows} instants from {shown(run)}")
@@ -128,6 +134,23 @@ def command(
     say(f"\n  cd {there} && {build}")
     say(f"  orchestrate check {block}.fmu --as {block}")
     _two_ways(f"{block}.fmu", block, run, ["make vector"] if lang == "c" else [])
+
+
+def _left_out(run: Path, block: str) -> dict[str, float | str]:
+    """Returns by outputs what they are where a law leaves them out, as where its file flies in this scenario."""
+    scenario = load_scenario(run)
+    name, fmus = name_of(scenario, block) or block, open_fmus(scenario)
+    model = asked_for(scenario, name, fmus).model
+    found: dict[str, float | str] = {}
+    for variable in model.of("output"):
+        value = model.starts.get(variable.elements[0])
+        inputs = {v.name for v in model.of("input")}
+        if variable.name in model.needed:
+            if (own := variable.name.removesuffix(ESTIMATE)) != variable.name and own in inputs:
+                found[variable.name] = own
+        elif value and value != fmus[name].model.starts.get(variable.elements[0]):
+            found[variable.name] = value
+    return found
 
 
 @contextmanager

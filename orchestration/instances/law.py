@@ -188,8 +188,8 @@ class Law:
         for name in dict.fromkeys(e.variable for e in outputs):
             pairs = [(place, e.position) for place, e in enumerate(outputs) if e.variable == name]
             self._gives.append((name, [p for p, _ in pairs], [p for _, p in pairs]))
-        for place, element in enumerate(outputs):
-            into[place] = float(self._value(element))
+        self._starts = np.array([self._values[e] for e in outputs], np.float64)
+        self.get_all()
         return self._from
 
     def _reader(self, variable: Variable, places: list[int]) -> Callable[[], Any]:
@@ -222,6 +222,7 @@ class Law:
 
     def get_all(self) -> None:
         into, given = self._into, self._given
+        into[:] = self._starts  # of outputs that the law leaves out
         for name, places, positions in self._gives:
             if (flat := given.get(name)) is not None:
                 into[places] = flat[positions]

@@ -90,9 +90,9 @@ def _paths(data: dict[str, Any]) -> Iterator[tuple[Any, Any]]:
     """Where a path stands in a scenario or campaign: what holds it, and its key there."""
     blocks = data.get("blocks")
     for entry in blocks.values() if isinstance(blocks, dict) else ():
-        for key in ("fmu", "interface", "map") if isinstance(entry, dict) else ():
+        for key in ("fmu", "interface", "map", "python") if isinstance(entry, dict) else ():
             text = entry.get(key)
-            if isinstance(text, str) and "://" not in text and (key == "map" or _is_path(text)):
+            if isinstance(text, str) and "://" not in text and (key in ("map", "python") or _is_path(text)):
                 yield entry, key
     flown = data.get("scenario")
     if isinstance(flown, str):
@@ -114,7 +114,21 @@ def _is_path(text: str) -> bool:
 
 def _lay(below: Source, above: Source) -> None:
     """Puts `above` over `below`, in place; a null above takes the entry out."""
+    _give_way(below, above)
     _lay_under(below, above, (), below.data, above.data, above.lines)
+
+
+def _give_way(below: Source, above: Source) -> None:
+    """Takes the FMUs out that laws in Python replace, which keep their ports and start values."""
+    blocks, laws = (one.data.get("blocks") for one in (below, above))
+    for name, law in laws.items() if isinstance(laws, dict) and isinstance(blocks, dict) else ():
+        entry = blocks.get(name)
+        if isinstance(law, dict) and law.get("python") and "fmu" not in law and isinstance(entry, dict):
+            kind = entry.pop("fmu", None)
+            for key in ("flavour", "map") if kind else ():
+                entry.pop(key, None)
+            if isinstance(kind, str) and not _is_path(kind):
+                entry.setdefault("interface", kind)
 
 
 def _lay_under(

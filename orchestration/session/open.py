@@ -107,7 +107,7 @@ def _open_fmus(scenario: Scenario, here: bool) -> dict[str, Fmu]:
                 fmus[name] = open_fmu(path, entry.validation == "lenient")
             except InputError as error:
                 problems += error.problems if entry.telemetry or entry.python else with_remedies(error, scenario, name)
-    return fmus | {name: _asked_for(scenario, name, fmus) for name in laws}
+    return fmus | {name: asked_for(scenario, name, fmus) for name in laws}
 
 
 def _build(scenario: Scenario, here: bool) -> None:
@@ -138,7 +138,7 @@ def _law(scenario: Scenario, name: str, text: str) -> Fmu:
     return replace(own, path=path, sha256=hashlib.sha256(path.read_bytes()).hexdigest())
 
 
-def _asked_for(scenario: Scenario, name: str, fmus: Mapping[str, Fmu]) -> Fmu:
+def asked_for(scenario: Scenario, name: str, fmus: Mapping[str, Fmu]) -> Fmu:
     """Returns the same with the outputs that it has to give; those for optional inputs alone start at the value that
     means that there is none."""
     needed: set[str] = set()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -40,6 +41,19 @@ def test_a_function_gives_its_outputs_and_zeros_for_the_rest(tmp_path):
     assert (out.attitude_error, out.no_attitude) == (0.0, False)
     values = Layout(load("controller"), block).store(out, Layout(load("controller"), block).starts)
     assert len(values) > 10
+
+
+def test_what_a_law_leaves_out_is_in_the_fmu_what_it_is_where_the_file_flies(tmp_path):
+    (tmp_path / "law.py").write_text(PLAIN)
+    result = orchestrate("new", "controller_planned", tmp_path / "made", "--from", tmp_path / "law.py")
+    assert result.exit_code == 0, result.stderr
+    with importing_from(tmp_path / "made", "controller_planned"):
+        block = importlib.import_module("controller_planned")
+    p, u = SimpleNamespace(J_B=np.eye(3)), SimpleNamespace(omega_B=np.ones(3), h_w=0.0025)
+    out = block.outputs(block.start(p, u), u, p)
+    assert out.h_w_estimate == 0.0025
+    assert (out.rod_gains_estimate.tolist(), out.wheel_torque_ff) == ([1e9] * 3, 1e9)
+    assert (out.plan_cost, out.rod_failed) == (0.0, False)
 
 
 def test_a_class_remembers_once_a_step_and_its_state_can_be_saved(tmp_path):

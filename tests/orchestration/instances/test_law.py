@@ -8,6 +8,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ import orchestration
 from orchestration.errors import BlockError, InputError
 from orchestration.fmu.model import Element
 from orchestration.instances.law import Law
+from orchestration.session.read import read
 from tests.orchestration.mocks import model, real
 
 ROOT = Path(__file__).parents[3]
@@ -75,6 +77,28 @@ def test_an_estimate_of_an_input_that_it_leaves_out_is_the_input_at_each_step(tm
     law = Law("law", replace(kind, needed=frozenset({"y"})), tmp_path / "law.py")
     with pytest.raises(BlockError, match="expected y, which other blocks take in"):
         law.leave()
+
+
+def test_what_it_leaves_out_and_optional_inputs_take_in_is_as_if_it_were_not_connected(tmp_path):
+    """Zeros would be gains of dead rods, and a wheel's torque that is wanted."""
+    left = ("dipole_ff", "wheel_torque_ff", "rod_gains_estimate")
+    (tmp_path / "my_law.py").write_text(DAMPING)
+    flights = []
+    for isolation in ("none", "process", None):
+        source = read(ROOT / "scenarios" / "flight_tumble.yaml").with_value("duration", "20 s", "test")
+        law = {"python": str(tmp_path / "my_law.py"), "isolation": isolation or "none"}
+        (tmp_path / "over.yaml").write_text(json.dumps({"blocks": {"controller": law}}))
+        data: dict[str, Any] = {"extends": [str(ROOT / "scenarios" / "flight_tumble.yaml"), "over.yaml"], "name": "own"}
+        data |= {"duration": "20 s", "expect": None, "figures": None}
+        if isolation is None:
+            wires = [w for w in source.data["connections"] if not w.startswith(tuple(f"controller.{n} " for n in left))]
+            data["connections"] = wires
+        (tmp_path / "own.yaml").write_text(json.dumps(data))
+        flights.append(orchestration.run(tmp_path / "own.yaml"))
+    for one in flights[:2]:
+        assert all((one[f"controller.{name}"] == 1e9).all() for name in left)
+        assert (one["plant.omega_B"] == flights[2]["plant.omega_B"]).all()
+    assert np.abs(flights[0]["allocator.dipole_cmd"][1:]).max() > 0.1
 
 
 def test_in_a_process_of_its_own_it_gives_the_same(tmp_path):

@@ -9,6 +9,7 @@ import pytest
 
 from orchestration import InputError, load, run
 from orchestration.scenario.source import Source
+from orchestration.session.read import read
 
 from ..wrong_inputs import SCENARIO
 
@@ -227,3 +228,22 @@ def test_the_manifest_has_the_scenario_as_resolved_which_runs_as_it_stands(loop)
     assert "shared" not in resolved
     assert resolved["blocks"]["motor"]["start"]["inertia"] == 0.5
     assert (run(resolved)["motor.speed"] == first["motor.speed"]).all()
+
+
+def test_a_law_takes_the_place_of_an_fmu_with_its_ports_and_start_values(tmp_path):
+    (tmp_path / "parts").mkdir()
+    below = {"fmu": "controller_planned", "flavour": "native", "every": 5, "start": {"control_period": "0.5 s"}}
+    (tmp_path / "loop.yaml").write_text(
+        json.dumps({"blocks": {"controller": below, "theirs": {"fmu": "a/theirs.fmu"}}})
+    )
+    laws = {"controller": {"python": "my_law.py"}, "theirs": {"python": "my_law.py", "interface": "allocator"}}
+    (tmp_path / "parts" / "own.yaml").write_text(json.dumps({"extends": "../loop.yaml", "blocks": laws}))
+    (tmp_path / "top.yaml").write_text(json.dumps({"extends": "parts/own.yaml", "name": "top"}))
+    blocks = read(tmp_path / "top.yaml").data["blocks"]
+    assert blocks["controller"] == {
+        "every": 5,
+        "start": {"control_period": "0.5 s"},
+        "interface": "controller_planned",
+        "python": "parts/my_law.py",
+    }
+    assert blocks["theirs"] == {"python": "parts/my_law.py", "interface": "allocator"}
