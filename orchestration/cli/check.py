@@ -138,5 +138,7 @@ def _print(fmu: Path, as_: str, map_: Path | None, findings: list[Finding]) -> N
         say(folded(f"A block with equations of its own gives other outputs; a run judges it: {swap}"))
     elif counts["error"]:
         say(f"does not fit: {counted}", fg="red", bold=True)
+        if map_ is None and any(finding.topic == "missing" for finding in _errors(findings)):
+            say(folded(f"A mapping is proposed by: orchestrate check {shown(fmu)} --as {as_} --suggest"))
     else:
         say("fits" + (f": {counted}" if counted else ""), fg="green", bold=True)

@@ -85,7 +85,7 @@ def judge(case: Case, path: Path, ours: Source) -> Verdict:
 
 def _is_truth(words: str, case: Case) -> bool:
     """Whether another wiring that is said to serve equally well, in words, is the one that is to be named."""
-    said = dict(part.partition(": ")[::2] for part in words.split(", "))
+    said = dict(part.partition(": ")[::2] for part in words.replace(" (left-handed)", "").split(", "))
     known = dict(signed_permutations())
     return set(said) == set(case.named) and all(
         text in known and case.truth[port][0] == "linear" and _turns(known[text], case.truth[port][1])

@@ -1,5 +1,5 @@
 """Finds inputs that are read in another frame, which no mapping mends: vectors turned by any angle or turning with the
-Earth, and a rate relative to LVLH.
+Earth, and a rate relative to LVLH; or with a bias or a gain of each axis.
 
 Ours that reads its inputs so has to give what theirs gives; unknown angles are fitted by Gauss and Newton.
 Longer than 250 lines: which frames there are, their words, and the fit of their unknowns decide on each other.
@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 
 import numpy as np
 
 from ... import rotation
 from ...fmu.model import Floats, Variable
+from ...quantities import Unit, suffix
 from .bench import Bench, clock
 from .causes import Cause, along
 from .ports import Port
@@ -36,9 +38,10 @@ _CLEAR, _EXACT = 3.0, 1e-8
 """Another with as few unknowns serves as well where it leaves at most so many times the least, or so much."""
 _FAR = 10.0
 """One that leaves so many times the least of some instants is not looked at on the whole run."""
+_LOOKED, _AGAIN = 2, 8
+"""So many are looked at on the whole run where none is clearly nearer, and so many times their fit goes on there."""
 _LEAST = 1e-5
 """rad; a turn by less is none."""
-_NONE = ((0.0, 0.0, 0.0),)
 _STEP, _TINY, _MOST = 1e-6, 1e-11, 20
 """rad: of differences, and that ends the fit; and so many times it goes on."""
 
@@ -56,6 +59,9 @@ class Reading:
     words: Callable[[Floats], str]
     starts: tuple[tuple[float, ...], ...] = ((),)
     """Of the unknowns, rad; one is fitted from the best of them."""
+    kind: str = "frame"
+    unit: float = float(np.degrees(1.0))
+    """In which the size of its cause is told, of one in the unknowns."""
     behind: Reading | None = None
     """Another frame, without unknowns, in which what this one gives is read besides."""
 
@@ -66,7 +72,7 @@ class Reading:
     @property
     def small(self) -> bool:
         """Whether it is looked for near none."""
-        return self.starts == _NONE
+        return self.unknown and not any(self.starts[0]) and len(self.starts) == 1
 
     def every(self, inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:
         """Returns the inputs that change by this frame and by the one behind it."""
@@ -74,7 +80,7 @@ class Reading:
         return made if self.behind is None else made | self.behind.read({**inputs, **made}, time, unknowns[:0])
 
     def size(self, unknowns: Floats) -> float:
-        return float(np.degrees(np.linalg.norm(unknowns)))
+        return self.unit * float(np.linalg.norm(unknowns))
 
 
 def other_frame(
@@ -93,9 +99,11 @@ def other_frame(
     """
     found: list[tuple[float, Reading, Floats, tuple[Cause, ...]]] = []
     as_wired = float(np.linalg.norm(_left(ours, whole[0], {}, whole[2])))
+    few_as_wired = float(np.linalg.norm(_left(ours, few[0], {}, few[2])))
+    looked = 0
     near: list[tuple[float, Reading, Floats]] = []
     for reading in allowed:
-        unknowns, left = _fitted(ours, reading, *few, reading.starts, rest is not None)
+        unknowns, left = _fitted(ours, reading, *few, reading.starts, ("all" if rest is None else "freed", "evenly"))
         if not len(unknowns) or (
             left <= (_NEAR if rest is None else _NEAR_WITH_CAUSES) and np.abs(unknowns).max() >= _LEAST
         ):
@@ -106,15 +114,18 @@ def other_frame(
             break  # fewer unknowns are preferred
         if len(unknowns) and left > max(_FAR * least, _SERVES):
             break  # on these instants another is much nearer
+        looked += bool(len(unknowns))
+        if looked > _LOOKED and left > 0.5 * few_as_wired:
+            break  # none of them is much nearer than none
         if clock() > ends:
             return None
         tried = [unknowns]
         if len(unknowns) or rest is None:
             start = (tuple(unknowns.tolist()),)
-            again, left = _fitted(ours, reading, *whole, start)
+            again, left = _fitted(ours, reading, *whole, start, most=_AGAIN)
             tried = [again]
             if rest is not None:
-                tried += [unknowns, _fitted(ours, reading, *whole, start, True)[0]]
+                tried += [unknowns, _fitted(ours, reading, *whole, start, ("freed",), _AGAIN)[0]]
         causes: tuple[Cause, ...] = ()
         if rest is not None:
             made = [(*rest(_played(ours, whole[0], reading.every(*whole[:2], u))), u) for u in tried]
@@ -130,14 +141,16 @@ def other_frame(
     left, reading, unknowns, causes = found[0]
     others = [f"{r.where}: {r.words(u)}" for _, r, u, _ in found[1:] if len(u) == len(unknowns)]
     words = "; or equally well ".join([reading.words(unknowns), *others])
-    frames = [Cause("frame", reading.where, reading.size(unknowns), words, left)]
+    frames = [Cause(reading.kind, reading.where, reading.size(unknowns), words, left)]
     if (behind := reading.behind) is not None:
         frames.append(Cause("frame", behind.where, 0.0, behind.words(unknowns[:0]), left))
     return (*frames, *causes), left
 
 
-def readings(ports: Mapping[str, Port], variables: Mapping[str, Variable]) -> Iterator[Reading]:
-    """Returns the readings that the inputs of a block allow, by their frames and units."""
+def readings(
+    ports: Mapping[str, Port], variables: Mapping[str, Variable], sizes: Mapping[str, float]
+) -> Iterator[Reading]:
+    """Returns the readings that the inputs of a block allow, by their frames, their units and the sizes they have."""
     frames = {n: frames_of(variables[n]) for n, p in ports.items() if p.causality == "input"}
     vectors = {n: sides[0] for n, sides in frames.items() if ports[n].kind == "vector" and len(sides) == 1}
     matrices = {n: sides for n, sides in frames.items() if ports[n].kind == "rotation" and len(sides) == 2}
@@ -156,13 +169,19 @@ def readings(ports: Mapping[str, Port], variables: Mapping[str, Variable]) -> It
             if frame == "N":
                 yield _of_earth(group, against)
             yield _turned(group, against)
+    for name, port in ports.items():
+        if port.causality == "input" and port.kind in ("vector", "scalar") and sizes.get(name):
+            none = ((0.0,) * len(port.positions),)
+            yield _biased(name, none, sizes[name], port.unit)
+            yield _scaled(name, none)
 
 
 def of_two(every: Iterable[Reading]) -> list[Reading]:
     """Returns the readings of two frames: one with unknowns, and a rate behind it that the orbit so read gives."""
     some = list(every)
     rates = [r for r in some if not r.unknown]
-    return [replace(r, behind=rate) for r in some if r.unknown for rate in rates if rate.where != r.where]
+    turns = [r for r in some if r.unknown and r.kind == "frame"]
+    return [replace(r, behind=rate) for r in turns for rate in rates if rate.where != r.where]
 
 
 def _relative(rate: str, matrix: str, r: str, v: str, sign: float) -> Reading:
@@ -201,7 +220,30 @@ def _turned(names: list[str], against: list[str]) -> Reading:
             text += f", as the equator turns in {angle / _PRECESSION:.3g} years (J2000 and of date)"
         return text
 
-    return Reading(_all(names), read, words, _NONE)
+    return Reading(_all(names), read, words, ((0.0, 0.0, 0.0),))
+
+
+def _biased(name: str, none: tuple[tuple[float, ...], ...], size: float, unit: Unit) -> Reading:
+    def read(inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:
+        return {name: inputs[name] + size * unknowns}
+
+    def words(unknowns: Floats) -> str:
+        return f"read with a bias of {_numbers(size * unknowns, size)}{suffix(unit)}"
+
+    return Reading(name, read, words, none, "input bias", size)
+
+
+def _scaled(name: str, none: tuple[tuple[float, ...], ...]) -> Reading:
+    def read(inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:
+        return {name: inputs[name] * (1.0 + unknowns)}
+
+    return Reading(name, read, lambda u: f"read with gains of {_numbers(1.0 + u, 1.0)}", none, "input gain", 1.0)
+
+
+def _numbers(values: Floats, size: float) -> str:
+    """Returns numbers in words, those that are small against this size as zero."""
+    told = [f"{x:.4g}" if abs(x) > 1e-7 * size else "0" for x in values]
+    return told[0] if len(told) == 1 else f"({', '.join(told)})"
 
 
 def _beside(against: list[str]) -> str:
@@ -217,18 +259,26 @@ def _played(ours: Bench, inputs: Inputs, read: Inputs) -> Inputs | None:
     return ours.play({n: v for n, v in {**inputs, **read}.items() if n in ours.model.variables})
 
 
-def _left(ours: Bench, inputs: Inputs, read: Inputs, given: Inputs, freed: bool = False) -> Floats:
+def _left(ours: Bench, inputs: Inputs, read: Inputs, given: Inputs, weigh: str = "all") -> Floats:
     """Returns what differs from theirs, in shares of each output, where ours reads some inputs otherwise.
 
-    `freed` of a bias of each element, and of the instants at which theirs is at its largest, as where it saturates.
+    `weigh` is "all"; "freed" of a bias of each element, and of the instants at which theirs is at its largest, as where
+    it saturates; or "evenly" where each instant counts as much, since some, as near a singular field, differ by far.
     """
     played = _played(ours, inputs, read)
     if played is None:
         return np.full(sum(v.size for v in given.values()), 1.0)
+    if weigh == "evenly":
+        return np.concatenate([_evened(played[n], v).ravel() for n, v in given.items()])
     parts = [(played[n] - v) / (float(np.linalg.norm(v)) or 1.0) for n, v in given.items()]
-    if freed:
+    if weigh == "freed":
         parts = [_freed(part, v) for part, v in zip(parts, given.values(), strict=True)]
     return np.concatenate([part.ravel() for part in parts]) / len(given) ** 0.5
+
+
+def _evened(ours: Floats, theirs: Floats) -> Floats:
+    sizes = np.linalg.norm(ours, axis=1, keepdims=True) + np.linalg.norm(theirs, axis=1, keepdims=True)
+    return (ours - theirs) / (sizes + 1e-3 * float(np.linalg.norm(theirs)) / len(theirs) ** 0.5 + 1e-300)
 
 
 def _freed(part: Floats, theirs: Floats) -> Floats:
@@ -244,16 +294,30 @@ def _fitted(
     time: Floats,
     given: Inputs,
     starts: tuple[tuple[float, ...], ...],
-    freed: bool = False,
+    weigh: tuple[str, ...] = ("all",),
+    most: int = _MOST,
 ) -> tuple[Floats, float]:
-    """Returns the unknowns with which ours is nearest to theirs, and what is left, as a share of theirs."""
+    """Returns the unknowns with which ours is nearest to theirs, and what is left, as a share of theirs.
 
-    def left(unknowns: Floats) -> Floats:
-        return _left(ours, inputs, reading.every(inputs, time, unknowns), given, freed)
+    The fit is made with each of some weights; the first tells which is nearest.
+    """
 
+    def left(unknowns: Floats, how: str) -> Floats:
+        return _left(ours, inputs, reading.every(inputs, time, unknowns), given, how)
+
+    found: list[tuple[float, Floats]] = []
+    for how in weigh:
+        best = _nearest(partial(left, how=how), starts, most)
+        found.append((float(np.linalg.norm(left(best, weigh[0]))), best))
+    least, unknowns = min(found, key=lambda pair: pair[0])
+    return unknowns, least
+
+
+def _nearest(left: Callable[[Floats], Floats], starts: tuple[tuple[float, ...], ...], most: int) -> Floats:
+    """Returns the unknowns of which least is left, from the best of some starts."""
     best = min((np.array(start, float) for start in starts), key=lambda start: float(np.linalg.norm(left(start))))
     now = left(best)
-    for _ in range(_MOST if len(best) else 0):
+    for _ in range(most if len(best) else 0):
         slopes = np.stack([(left(best + step) - now) / _STEP for step in _STEP * np.eye(len(best))], axis=1)
         change = np.linalg.lstsq(slopes, -now, rcond=None)[0]
         change *= min(1.0, 1.0 / max(float(np.linalg.norm(change)), 1e-300))
@@ -263,4 +327,4 @@ def _fitted(
             best, now = best + change, then
         if np.linalg.norm(change) <= _TINY:
             break
-    return best, float(np.linalg.norm(now))
+    return best

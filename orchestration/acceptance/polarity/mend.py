@@ -19,6 +19,7 @@ from ...scenario.mapping import PortMap
 from ...scenario.references import Name
 from ...scenario.source import Source
 from ...scenario.text import written
+from ...swap.findings import Fit
 from .apart import apart, flown, inside
 from .causes import Cause
 from .fly import Found, Loop
@@ -76,9 +77,8 @@ def mend(ours: Source, theirs: Source, block: str, seconds: float = SECONDS) -> 
     explained = (("input", found.inputs), ("output", found.outputs)) if likely else ()
     for causality, changes in explained:
         for name, wrong in changes.items():
-            behaves[name] = wrong.name if causality == "input" else named(found.ports[name], wrong)
-            if left_handed(wrong) and fit.links[name].ours.frame not in (None, "", "rods"):
-                behaves[name] += " (left-handed)"
+            said = wrong.name if causality == "input" else named(found.ports[name], wrong)
+            behaves[name] = said + _handed(fit, name, wrong)
             entry = present.ports.get(name) or PortMap(theirs=[Name(name)], inverse=False)
             declared = fit.links[name].theirs[0]
             unit = fit.theirs.variables[declared.variable].at([declared.position]).unit
@@ -89,11 +89,16 @@ def mend(ours: Source, theirs: Source, block: str, seconds: float = SECONDS) -> 
         left, _ = flown(theirs.with_entry(("blocks", block, "map"), data))
     if not found.named and left is not None:  # only a loop that meets all confirms it
         behaves, data, left = {}, given, None
-    words = [", ".join(f"{n}: {w.name}" for n, w in other.items()) for other in found.equally] if found.named else []
+    others = found.equally if found.named else ()
+    words = [", ".join(f"{n}: {w.name}{_handed(fit, n, w)}" for n, w in other.items()) for other in others]
     causes = found.causes if found.named else ()
     return Mended(
         block, behaves, data, found.before, found.after, left, found.complete, causes, found.first, tuple(words)
     )
+
+
+def _handed(fit: Fit, name: str, wrong: Wrong) -> str:
+    return " (left-handed)" if left_handed(wrong) and fit.links[name].ours.frame not in (None, "", "rods") else ""
 
 
 def named(port: Port, change: Wrong) -> str:

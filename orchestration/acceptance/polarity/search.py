@@ -36,6 +36,11 @@ _LARGE, _MOST_LEFT = 0.3, 0.15
 """A wiring that leaves so much at most of a difference larger than that is flown, and named where all is met."""
 _SOME = 12
 """So many of the nearest wirings are tried on theirs."""
+_MIRROR = 1.5 * CHANGE
+"""What one mirror of several inputs counts as difference, so that a turn with the opposite sign of one port is taken:
+where both serve equally, axes that are left-handed are the less likely."""
+_STRUCTURAL = ("frame", "parameter", "input bias", "input gain")
+"""Kinds of causes beside which no wiring is looked for."""
 SECONDS = 20.0
 """The search of wirings ends after so long, and each of two searches of parameters."""
 
@@ -117,7 +122,7 @@ class Search(Identifier):
             best = self._with_frame(best, wired, clock() + seconds)
         if not best.named:
             best = self._with_parameter(best, [], wired, clock() + seconds)
-        if best.named and best.causes and best.causes[0].kind in ("frame", "parameter"):
+        if best.named and best.causes and best.causes[0].kind in _STRUCTURAL:
             return best
         starts = [self._descend(changes, ends) for _, changes in tried[:4]]
         found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), wired)
@@ -133,7 +138,7 @@ class Search(Identifier):
             complete = complete and clock() <= until
         if not best.named:
             framed = self._framed(tried, clock() + seconds / 2)
-            best = self._with_frame(best, wired, clock() + seconds, framed)
+            best = self._with_frame(best, wired, clock() + seconds / 2, framed)
         return replace(best, complete=complete)
 
     def _as_wired(self, theirs: dict[str, Floats]) -> tuple[float, tuple[str, float] | None]:
@@ -272,7 +277,8 @@ class Search(Identifier):
         return np.asarray(self._kept * self._ours.step, np.float64), np.arange(0.0, samples) * self._ours.step
 
     def _readings(self) -> list[Reading]:
-        return list(readings(self.ports, self._theirs.model.variables))
+        sizes = {n: float(np.sqrt((self.whole[n] ** 2).mean())) for n in self.inputs}
+        return list(readings(self.ports, self._theirs.model.variables, sizes))
 
     def _framed(self, tried: Sequence[tuple[Score, Changes]], ends: float) -> list[_Framed]:
         """Returns frames, each with the wirings with which it is nearest on some instants, the nearest first.
@@ -367,7 +373,8 @@ def _worth(found: Identified) -> float:
     turns = {key_of(w) for w in found.inputs.values()}
     said = len(turns) + len(found.outputs) + len({(c.kind, c.where) for c in found.causes})
     hands = sum(left_handed(w) for w in found.inputs.values())
-    return left + CHANGE * said + 1e-4 * hands + MINUS * sum(map(minus_of, found.inputs.values()))
+    mirror = _MIRROR if hands > 1 else 0.0
+    return left + CHANGE * said + 1e-4 * hands + mirror + MINUS * sum(map(minus_of, found.inputs.values()))
 
 
 def open_search(ours: Source, theirs: Source, block: str, stack: ExitStack) -> Search:

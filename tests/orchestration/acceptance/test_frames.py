@@ -80,7 +80,10 @@ def named(flown, read, changed=None, allowed=lambda every: every):
         return tuple(cause for one in made for cause in one[0]), left
 
     whole = inputs, time, theirs
-    made = other_frame(Block(), allowed(readings(ports, variables)), few, whole, math.inf, rest if changed else None)
+    sizes = {n: float(np.sqrt((v**2).mean())) for n, v in inputs.items()}
+    made = other_frame(
+        Block(), allowed(readings(ports, variables, sizes)), few, whole, math.inf, rest if changed else None
+    )
     return made if made is None else (*made[0], made[1])
 
 
@@ -159,7 +162,22 @@ def test_a_frame_and_what_makes_its_output_late_are_named_together(flown):
     frame, *causes, _ = named(flown, read, late)
     assert "relative to LVLH" in frame.text
     assert {(cause.kind, round(cause.size, 6)) for cause in causes} == {("delay", 3.0)}
-    assert named(flown, lambda time, inputs: {"r_N": inputs["r_N"] * [1.0, 1.02, 1.0]}, late) is None
+    assert named(flown, lambda time, inputs: {"v_N": np.roll(inputs["v_N"], 20, axis=0)}, late) is None
+
+
+@pytest.mark.parametrize(
+    ("read", "kind", "where", "size", "words"),
+    [
+        (lambda x: {"r_N": x["r_N"] * [1.0, 1.02, 1.0]}, "input gain", "r_N", 0.02, "gains of (1, 1.02, 1)"),
+        (lambda x: {"omega_B": x["omega_B"] + [0, 2e-3, 0]}, "input bias", "omega_B", 2e-3, "a bias of (0, 0.002, 0)"),
+    ],
+    ids=["gain", "bias"],
+)
+def test_a_gain_or_a_bias_of_an_axis_of_an_input_is_named(flown, read, kind, where, size, words):
+    first, left = named(flown, lambda time, inputs: read(inputs))
+    assert (first.kind, first.where, first.size) == (kind, where, pytest.approx(size, rel=1e-5))
+    assert words in first.text
+    assert left < 1e-8
 
 
 @pytest.mark.parametrize(
@@ -184,12 +202,11 @@ def test_angles_of_a_frame_are_fitted_beside_a_bias_or_a_limit_of_the_outputs(fl
 @pytest.mark.parametrize(
     "read",
     [
-        lambda time, inputs: {"r_N": inputs["r_N"] * [1.0, 1.02, 1.0]},
-        lambda time, inputs: {"omega_B": inputs["omega_B"] + 1e-3},
+        lambda time, inputs: {"omega_B": inputs["omega_B"] + 1e-3 * np.sin(time)[:, None]},
         lambda time, inputs: {"v_N": np.roll(inputs["v_N"], 20, axis=0)},
         lambda time, inputs: {},
     ],
-    ids=["a scale", "a bias", "late", "nothing"],
+    ids=["a wave", "late", "nothing"],
 )
 def test_no_frame_is_named_for_what_is_none(flown, read):
     assert named(flown, read) is None
