@@ -327,3 +327,31 @@ def test_a_wheel_that_works_again_is_used_after_its_probe() -> None:
     first = next(i for i, each in enumerate(y) if each["wheel_failed"][1])
     assert y[first + 2999]["wheel_failed"][1]
     assert not any(each["wheel_failed"].any() for each in y[first + 3006 :])
+
+
+def test_friction_is_learned_and_given_back_on_both_sides_of_zero_speed() -> None:
+    """A wheel of closed form: its momentum changes by the command less Coulomb friction along its path."""
+    friction, T = np.array([0.0, 4e-5, 0.0, 1e-4]), 0.5
+    h = np.array([1e-3, 1.2e-3, -1e-3, 2e-3])
+    missed = []
+    with running(BLOCK, **FOUR, b_B=[0.0, 0.0, 0.0], h_w=h, wheel_weight_ff=0.1) as it:
+        for i in range(1600):
+            command = it.get("wheel_torque_cmd")
+            wanted = it.get("wheel_torque_ff")
+            sign = np.sign(h)
+            end = h + T * (command - friction * sign)
+            crosses = h * end < 0.0  # then friction turns round where the wheel stands still
+            first = np.where(crosses, np.abs(h) / np.maximum(np.abs(command - friction * sign), 1e-12), 0.0)
+            end = np.where(crosses, (T - first) * (command + friction * sign), end)
+            if i > 0:
+                missed.append(np.abs((end - h) / T - wanted))
+            h = end
+            torque = 1.1e-4 * math.cos(i / 120.0) * NULL / np.abs(NULL).max()
+            it.set("wheel_torque_ff", torque)
+            it.set("h_w", h)
+            it.step(T * i, T)
+            assert not it.outputs()["wheel_failed"].any()
+    assert np.max(missed[:20]) > 3e-5
+    late = np.array(missed[800:])  # a sample in which a wheel crosses zero is not exact
+    assert late.max(axis=1).mean() < 1e-6
+    assert (late > 3e-6).any(axis=1).mean() < 0.02

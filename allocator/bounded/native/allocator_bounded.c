@@ -108,6 +108,7 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
         y->wheel_torque_cmd[i] = given.dh_w[i];
         y->b_wheel[i] = i < WHEELS(&law->p) && with_field ? dot(b_B, axis) / B : 0.0;
 #if ALLOCATOR_BOUNDED_WHEELS > 1
+        y->wheel_torque_cmd[i] = allocator_bounded_with_friction(law, x, u, i, given.dh_w[i]);
         y->wheel_failed[i] = allocator_bounded_wheel_failed(law, x, i);
 #endif
     }

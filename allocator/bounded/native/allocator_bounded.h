@@ -20,6 +20,7 @@ typedef struct {
     double given[ALLOCATOR_BOUNDED_WHEELS];      /* sum of command times change of momentum; forgotten */
     double asked[ALLOCATOR_BOUNDED_WHEELS];      /* sum of command squared times time; forgotten */
     double failed_for[ALLOCATOR_BOUNDED_WHEELS]; /* s since it gave less than half; negative: unconfirmed; 0: no */
+    double friction[ALLOCATOR_BOUNDED_WHEELS];   /* Coulomb friction that each was seen to have, N m */
 } AllocatorBoundedState;
 
 /* Parameters and what follows from them alone. */
@@ -48,6 +49,10 @@ double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const Alloca
 double allocator_bounded_tried_torque(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                       const AllocatorBoundedInputs *u, int i, double preferred);
 
+/* The command by which wheel i gives the torque that is wanted, N m, beside its friction. */
+double allocator_bounded_with_friction(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                       const AllocatorBoundedInputs *u, int i, double wanted);
+
 /* Takes in what the wheels gave of the last commands over h, and the commands y that act from now on. */
 void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,
                              AllocatorBoundedState *x);
@@ -59,7 +64,7 @@ void allocator_bounded_keep(const AllocatorBoundedInputs *u, const AllocatorBoun
 bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedState *x,
                              Fault *f);
 
-/* The commands that serve the demand best within the limits; of x only the wheels that have failed count. */
+/* The commands that serve the demand best within the limits; of x only what is known of the wheels counts. */
 bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                const AllocatorBoundedInputs *u, AllocatorBoundedOutputs *y, Fault *f);
 

@@ -8,6 +8,8 @@
 static const double FORGOTTEN = 300.0;
 /* Of a wheel's limit: what friction may take of a command. */
 static const double FRICTION = 0.05;
+/* s, in which the friction of a wheel is learned; of its limit: larger commands say more of the drive's gain. */
+static const double LEARNED = 30.0, SMALL_TORQUE = 0.1;
 /* Of its limit, and s: commands that are no more beyond friction, for so long, say nothing of a wheel. */
 static const double TRUST_TORQUE = 0.02, TRUST_TIME = 20.0;
 /* s, for which this is found before a wheel counts as failed: telemetry may be a sample old. */
@@ -41,6 +43,41 @@ double allocator_bounded_tried_torque(const AllocatorBoundedLaw *law, const Allo
     return (since < 0.5 * PROBE_TIME ? PROBE_TORQUE : -PROBE_TORQUE) * law->p.wheel_torque_max[i];
 }
 
+/* The mean sign of a momentum that goes from one to the other evenly. */
+static double mean_sign(double from, double to)
+{
+    const double sign = from > 0.0 ? 1.0 : from < 0.0 ? -1.0 : 0.0;
+    return from * to < 0.0 ? (fabs(to) - fabs(from)) / (to - from)
+           : from != 0.0   ? sign
+           : to > 0.0      ? 1.0
+           : to < 0.0      ? -1.0
+                           : 0.0;
+}
+
+double allocator_bounded_with_friction(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                       const AllocatorBoundedInputs *u, int i, double wanted)
+{
+    const double limit = law->p.wheel_torque_max[i];
+    if (!(law->p.find_failures && x->friction[i] > 0.0)) {
+        return wanted;
+    }
+    const double sign = mean_sign(u->h_w[i], u->h_w[i] + law->p.command_period * wanted);
+    return clip(wanted + x->friction[i] * sign, -limit, limit);
+}
+
+/* The Coulomb friction of wheel i by what it gave less than the last command, over h. */
+static double learned_friction(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, double h_w, double h,
+                               int i)
+{
+    const double limit = law->p.wheel_torque_max[i], sign = mean_sign(x->h_w[i], h_w);
+    if (x->failed_for[i] != 0.0 || fabs(x->command[i]) > SMALL_TORQUE * limit) {
+        return x->friction[i];
+    }
+    const double taken = x->command[i] - (h_w - x->h_w[i]) / h;
+    const double change = h / (h + LEARNED) * sign * (taken - sign * x->friction[i]);
+    return clip(x->friction[i] + change, 0.0, FRICTION * limit);
+}
+
 /* The part of a command that friction cannot take, N m. */
 static double beyond_friction(double command, double torque_max)
 {
@@ -56,6 +93,7 @@ void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoun
         const double torque = TRUST_TORQUE * law->p.wheel_torque_max[i], trust = torque * torque * TRUST_TIME;
         const double command = beyond_friction(x->command[i], law->p.wheel_torque_max[i]),
                      failed_for = x->failed_for[i];
+        x->friction[i] = learned_friction(law, x, u->h_w[i], h, i);
         const bool counts = failed_for <= 0.0 || failed_for > RETRY;
         x->given[i] = counts ? kept * x->given[i] + command * (u->h_w[i] - x->h_w[i]) : 0.0;
         x->asked[i] = counts ? kept * x->asked[i] + command * command * h : 0.0;
