@@ -63,7 +63,6 @@ class Flights:
             "tilt": {"uniform": ["0 deg", "98 deg"]},
             **{f"{name}{i}": {"uniform": [-1.0, 1.0]} for name in ("drive", "drag") for i in range(4)},
             "wheel": {"integers": [0, self.wheels - 1]},
-            **how.draw,
         }
         campaign = {
             "name": re.sub(r"\W+", "_", f"{self.satellite} {self.condition}"),
@@ -71,7 +70,7 @@ class Flights:
             "draw": draw,
             "vary": {name: {"expression": text} for name, text in vary(self, how).items()},
             "sampling": "random",
-            "runs": runs,
+            "runs": min(runs, how.most),
             "seed": SEED,
             "metrics": metrics(),
         }
@@ -79,7 +78,7 @@ class Flights:
 
     def drawn(self, runs: int) -> list[Data]:
         """Start values of each run by `block.parameter`."""
-        return drawn(self.case(runs), runs)
+        return drawn(self.case(runs), min(runs, CONDITIONS[self.condition].most))
 
 
 @dataclass(frozen=True)
@@ -89,8 +88,16 @@ class Condition:
     text: str
     errors: bool = False
     estimated: bool = False
-    draw: Data = field(default_factory=dict, hash=False)
     vary: Data = field(default_factory=dict, hash=False)
+    lost: int = 0
+    """Wheels that fail: the drawn one, and those after it."""
+    most: int = 1000
+    """Flights at most."""
+
+
+def _of_drawn(bad: float, good: float = 0.0) -> str:
+    """A value for each wheel, another one for that which is drawn."""
+    return f"[{', '.join(f'{good} + {bad - good} * max(0, 1 - abs(wheel - {i}))' for i in range(4))}]"
 
 
 def _dead(*after: int) -> str:
@@ -107,9 +114,23 @@ CONDITIONS = {
     "nominal": Condition("perfect sensors and actuators"),
     "errors": Condition("all errors", errors=True),
     "estimated": Condition("all errors, attitude estimated with the star tracker", errors=True, estimated=True),
-    "one dead": Condition("a wheel dead", vary={"plant.wheel_gain": _dead(0)}),
-    "two dead": Condition("two wheels dead", vary={"plant.wheel_gain": _dead(0, 1)}),
-    "all dead": Condition("all wheels dead", vary={"plant.wheel_gain": "[0, 0, 0, 0]"}),
+    "one dead": Condition("a wheel dead", vary={"plant.wheel_gain": _dead(0)}, lost=1, most=50),
+    "one weak": Condition("a wheel that gives 0.3", vary={"plant.wheel_gain": _of_drawn(0.3, 1.0)}, lost=1, most=20),
+    "one reversed": Condition("a wheel reversed", vary={"plant.wheel_gain": _of_drawn(-1.0, 1.0)}, lost=1, most=20),
+    "one stuck": Condition(
+        "a wheel stuck at half its momentum",
+        vary={"plant.wheel_gain": _dead(0), "plant.h_w0": f"HALF * {_of_drawn(1.0)}"},
+        lost=1,
+        most=20,
+    ),
+    "one drags": Condition(
+        "a wheel with friction of 0.3 of its torque",
+        vary={"plant.wheel_coulomb_friction": f"DRAG * {_of_drawn(1.0)}"},
+        lost=1,
+        most=20,
+    ),
+    "two dead": Condition("two wheels dead", vary={"plant.wheel_gain": _dead(0, 1)}, lost=2, most=20),
+    "all dead": Condition("all wheels dead", vary={"plant.wheel_gain": "[0, 0, 0, 0]"}, lost=3, most=20),
 }
 """Errors are those of docs/evidence/satellites.md; gains of the wheels' drives 5% off, friction of 0 to 2% of the
 torque. Dead, weak or reversed wheels are so from the start."""
@@ -175,7 +196,12 @@ def vary(flights: Flights, how: Condition) -> Data:
         found["plant.wheel_gain"] = f"[{', '.join(f'1 + 0.05 * drive{i}' for i in range(4))}]"
         drag = ", ".join(f"1 + drag{i}" for i in range(4))
         found["plant.wheel_coulomb_friction"] = f"{0.01 * it.wheel_torque_max} * [{drag}]"
-    return found | how.vary
+    sizes = {"HALF": 0.5 * it.wheel_momentum_max, "DRAG": 0.3 * it.wheel_torque_max}
+    for name, text in how.vary.items():
+        for size, value in sizes.items():
+            text = text.replace(size, str(value))
+        found[name] = text
+    return found
 
 
 def metrics() -> list[Data]:
@@ -192,6 +218,7 @@ def metrics() -> list[Data]:
         "initial_rate": {**rate, "statistic": "maximum", "before": 0.0},
         "wheel_max": {"signal": "plant.h_w", "statistic": "peak", **last},
         "dipole": {"signal": "plant.dipole", "measure": "norm", "statistic": "rms", **last},
+        **{f"found_{i}": {"signal": f"allocator.wheel_failed[{i + 1}]", "reaches": {"equals": True}} for i in range(4)},
     }
     return [{"name": name, **metric} for name, metric in found.items()]
 

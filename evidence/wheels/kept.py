@@ -14,7 +14,7 @@ from orchestration.campaign.flying.rows import Rows
 from ..flight.cases import HOLD
 from ..paper import Array
 from ..satellites.classes import CLASSES
-from .cases import DURATION, Flights
+from .cases import CONDITIONS, DURATION, Flights
 
 FILE = "wheels.csv"
 REMEDY = "python -m evidence wheels"
@@ -36,6 +36,10 @@ class Flown:
     hold_max: float
     wheel_share: float
     least_time: float
+    found: float
+    """When the last of the wheels that fail was found, s."""
+    others: int
+    """Wheels that do not fail and were reported."""
 
     @property
     def settled(self) -> bool:
@@ -52,6 +56,7 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
 
     five, one = until("angle_5"), until("angle_1")
     drawn = flights.drawn(max(rows.index.tolist()) + 1)
+    wheel, lost = rows.numbers("wheel"), CONDITIONS[flights.condition].lost
     for i, run in enumerate(rows.index.tolist()):
         yield Flown(  # settled within the last HOLD counts as never
             flights.satellite,
@@ -65,4 +70,12 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
             math.degrees(value["hold_max"][i]),
             value["wheel_max"][i] / CLASSES[flights.satellite].wheel_momentum_max,
             math.nan if run >= len(bounds) or bounds[run] is None else float(bounds[run] or 0.0),
+            *_found([value[f"found_{k}"][i] for k in range(4)], int(wheel[i]), lost, flights.wheels),
         )
+
+
+def _found(times: Sequence[float], wheel: int, lost: int, wheels: int) -> tuple[float, int]:
+    """When the last of the wheels that fail was reported, s, and how many of the others were; `times`: of each."""
+    fail = {(wheel + k) % wheels for k in range(lost)}
+    late = [math.inf if math.isnan(times[k]) else times[k] for k in fail]
+    return max(late, default=math.nan), sum(math.isfinite(times[k]) for k in range(wheels) if k not in fail)
