@@ -254,10 +254,12 @@ def satellites(jobs: int, cases: int, page: bool, bounds: bool) -> None:
 @main.command()
 @_jobs
 @click.option("--cases", default=20, show_default=True, type=click.IntRange(2, 1000), help="Tumbles of each kind.")
+@click.option("--row", "rows", multiple=True, help="Fly the kinds whose names have this text alone; may be repeated.")
 @click.option("--page", is_flag=True, help="Write the page from docs/evidence/wheels.csv, without flying.")
-def wheels(jobs: int, cases: int, page: bool) -> None:
+def wheels(jobs: int, cases: int, rows: tuple[str, ...], page: bool) -> None:
     """Fly satellites with three and four wheels, and make docs/evidence/wheels.md; one that was interrupted goes on."""
-    say(f"written: {wheels_flown.write() if page else wheels_flown.make(cases, jobs)}")
+    for line in [f"written: {wheels_flown.write()}"] if page else wheels_flown.make(cases, jobs, rows):
+        say(line)
 
 
 @main.command()

@@ -111,6 +111,22 @@ def _importing_from(folder: Path, packages: tuple[str, ...]) -> Iterator[None]:
         sys.modules.update(aside)
 
 
+WITHIN = {"controller.planned.wheels": "controller_planned"}
+"""Packages whose C has that of another block in it, and that block."""
+
+
+def inside(folder: Path) -> Block | None:
+    """The block whose C that in a block's folder has in it; None where it stands alone."""
+    name = WITHIN.get(package_name(folder))
+    return None if name is None else Block.named(name)
+
+
+def natives(folder: Path) -> list[Path]:
+    """The folders of C that a block in this folder is made of, its own first."""
+    within = inside(folder)
+    return [folder / "native"] + ([] if within is None else [within.folder / "native"])
+
+
 LENT = {"gauss_models.h": "estimator"}
 """Headers of tables that the C of several blocks may include, and the block whose `native/tables.py` writes them."""
 
@@ -120,7 +136,8 @@ def lenders(folder: Path) -> dict[str, Path]:
     that writes them."""
     if not (folder / "native").is_dir():
         return {}
-    text = "".join(path.read_text("utf-8") for path in sorted((folder / "native").rglob("*.c")))
+    files = (path for native in natives(folder) for path in sorted(native.rglob("*.c")))
+    text = "".join(path.read_text("utf-8") for path in files)
     return {name: Block.named(owner).folder for name, owner in LENT.items() if f'#include "{name}"' in text}
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeVar, cast
 
 from . import places
-from .block import Block, files_of, is_block, lenders
+from .block import Block, files_of, inside, is_block, lenders, natives
 from .kept import kept, seen
 from .versions import version_of
 
@@ -44,6 +44,8 @@ def fingerprint(block: Block, flavour: str) -> str:
     there = [path.stat() for path in map(places.shared, _SHARED) if path.exists()]
     shared = tuple((file.st_size, file.st_mtime_ns) for file in there)
     own = block.name, flavour, block.interface.source, shared, _state(_HERE, flavour), _state(block.folder)
+    within = inside(block.folder)
+    own += () if within is None else (within.interface.source, _state(within.folder))
     owners = _remembered(("owners", own), tuple, lambda: tuple(lenders(block.folder).values()))
     files = own, *map(_state, owners)
     packages = _remembered(("packages", files), list, lambda: data_packages(block.folder))
@@ -94,7 +96,10 @@ def _of_content(block: Block, flavour: str, versions: Iterable[tuple[str, str]])
     digest.update(block.interface.source.encode())
     _add(digest, files_of(block.folder))
     if flavour == "native":
-        _add(digest, _files(block.folder / "native"))
+        for native in natives(block.folder):
+            _add(digest, _files(native))
+        if (within := inside(block.folder)) is not None:
+            digest.update(within.interface.source.encode())
         for owner in lenders(block.folder).values():
             _add(digest, [*_files(owner / "tables"), *_files(owner / "native")])
     for name, version_ in versions:

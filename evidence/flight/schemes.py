@@ -28,11 +28,16 @@ RIVAL = {"slow": 0.035, "K": 6.1e-4, "L": 0.069, "detumble_gain": 280.0, "look_a
 
 @cache
 def _text(scenario: str) -> str:
-    return json.dumps(read(ROOT / "scenarios" / f"flight_{scenario}.yaml").data)
+    return json.dumps(read(ROOT / "scenarios" / f"{scenario}.yaml").data)
 
 
 def base(scenario: str = "tumble") -> Data:
     """A flight scenario as data that expects and draws nothing."""
+    return base_of(f"flight_{scenario}")
+
+
+def base_of(scenario: str) -> Data:
+    """The same of any scenario of the project."""
     data: Data = json.loads(_text(scenario))
     for key in ("expect", "figures", "phases"):
         data.pop(key, None)

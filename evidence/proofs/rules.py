@@ -14,7 +14,7 @@ from pathlib import Path
 
 import yaml
 
-from fmus.block import Block
+from fmus.block import Block, natives
 from fmus.link import NATIVE
 from fmus.native import COMMON, generated_sources
 from fmus.places import PACKAGES
@@ -48,9 +48,9 @@ def findings() -> Found:
                 Path(temporary, header).write_text(text, "utf-8")
         places = set[tuple[str, str, str]]()
         for name in BLOCKS:
-            native = Block.named(name).folder / "native"
-            include = [f"-I{path}" for path in (native, COMMON, temporary)]
-            places |= _of_tools(sorted(native.rglob("*.c")), include)
+            folders = natives(Block.named(name).folder)
+            include = [f"-I{path}" for path in (*folders, COMMON, temporary)]
+            places |= _of_tools(sorted(folders[0].rglob("*.c")), include)
         places |= _of_tools([NATIVE / "frame.c", ELEMENTARY], [f"-I{NATIVE}"])
     found.update((rule, file) for rule, file, _ in places)
     return found

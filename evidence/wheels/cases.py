@@ -50,6 +50,10 @@ class Flights:
         return CLASSES[self.satellite]
 
     @property
+    def name(self) -> str:
+        return f"{self.satellite}, {self.condition}"
+
+    @property
     def wheels(self) -> int:
         return len(WHEELS[self.satellite])
 
@@ -141,10 +145,9 @@ def of_four(values: Any) -> list[Any]:
     return np.broadcast_to(values, 4).tolist()
 
 
-def scenario(flights: Flights, how: Condition) -> Data:
-    """The scenario of the campaign: that of flight_tumble or flight_star_tracker with a set of wheels."""
-    it, axes = flights.it, WHEELS[flights.satellite]
-    data = base("star_tracker" if how.estimated else "tumble")
+def with_set(data: Data, satellite: str) -> Data:
+    """A scenario of one wheel with a satellite and its set of wheels in place; in place."""
+    it, axes = CLASSES[satellite], WHEELS[satellite]
     for key in ("consistency", "live", "cycle", "delays"):
         data.pop(key, None)
     without(data, "estimator.dipole", "estimator.wheel_torque", "estimator.h_w", "sensors.h_w", "allocator.h_w")
@@ -155,11 +158,6 @@ def scenario(flights: Flights, how: Condition) -> Data:
     data["connections"] += ["plant.h_w -> controller.h_w", "plant.h_w -> allocator.h_w"]
     data["connections"] += ["allocator.wheel_failed -> controller.wheel_failed"]
     data["blocks"]["plant"]["start"].pop("h_w0", None)
-    change(data, {"sensors.h_w": 0.0})  # they measure one wheel only
-    if how.estimated:
-        data["blocks"]["estimator"]["differs"] = ["wheel_axis"]
-        change(data, {"estimator.wheel_axis": [1.0, 0.0, 0.0]})  # of a filter without gyro: not used
-    mean = 0.8 * it.dipole_max if how.estimated else it.dipole_max
     data["shared"] |= {
         "J_B": {"diagonal": list(it.moments)},
         "dipole_max": it.dipole_max,
@@ -170,8 +168,17 @@ def scenario(flights: Flights, how: Condition) -> Data:
         "wheel_axis": np.vstack((axes, np.eye(3)))[:4].tolist(),
         "rod_axes": it.rod_axes,
     }
-    change(data, {"plant.body_width": it.size[0], "plant.body_length": it.size[1], "plant.body_axis": it.axis})
+    return change(data, {"plant.body_width": it.size[0], "plant.body_length": it.size[1], "plant.body_axis": it.axis})
+
+
+def scenario(flights: Flights, how: Condition) -> Data:
+    """The scenario of the campaign: that of flight_tumble or flight_star_tracker with a set of wheels."""
+    data = with_set(base("star_tracker" if how.estimated else "tumble"), flights.satellite)
+    change(data, {"sensors.h_w": 0.0})  # they measure one wheel only
     if how.estimated:
+        data["blocks"]["estimator"]["differs"] = ["wheel_axis"]
+        change(data, {"estimator.wheel_axis": [1.0, 0.0, 0.0]})  # of a filter without gyro: not used
+        mean = 0.8 * flights.it.dipole_max
         change(data, {"controller.dipole_max": mean, "allocator.dipole_max": mean})
     elif not how.errors:
         change(data, {k: v for k, v in NO_ERRORS.items() if not k.startswith("controller.")})

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+
+from orchestration import InputError
 
 from .. import files
 from ..crew import crew, runs_of
@@ -16,27 +19,41 @@ from .kept import FILE, REMEDY, Flown, flown_of
 RESULTS = FOLDER / "wheels"
 
 
-def make(cases: int, jobs: int) -> Path:
-    """Flies what is left of so many tumbles of each; then writes docs/evidence/wheels.csv and the page, and returns
-    it."""
+def make(cases: int, jobs: int, rows: Sequence[str]) -> Iterator[str]:
+    """Flies what is left of so many tumbles of each, or of those whose names have one of these texts; then writes
+    docs/evidence/wheels.csv and the page. Tells of what was not flown by the FMUs as they are."""
+    wanted = [one for one in all_flights() if not rows or any(text in one.name for text in rows)]
+    if not wanted:
+        raise InputError(f"row: expected a part of one of {', '.join(one.name for one in all_flights())}")
+    cases_of = {one: one.case(cases) for one in wanted}
     with crew(jobs) as hands:
-        for flights in all_flights():
-            rows = runs_of(flights.case(cases), RESULTS)
-            if rows is None or len(rows) < cases:
-                hands.fly(flights.case(cases), RESULTS)
-    return keep()
+        for case in cases_of.values():
+            there = runs_of(case, RESULTS)
+            if there is None or len(there) < case.runs:
+                hands.fly(case, RESULTS)
+    for one, case in cases_of.items():
+        if one.case(cases).fingerprint != case.fingerprint:
+            yield f"{one.name}: an FMU was built anew while it flew; remedy: the same command again"
+    yield from keep()
 
 
-def keep() -> Path:
-    """Writes docs/evidence/wheels.csv from the flights that there are, and the page."""
+def keep() -> Iterator[str]:
+    """Writes docs/evidence/wheels.csv and the page, from the flights that there are of the FMUs as they are; of a kind
+    that has none the lines of the file stay, which is told."""
+    file = ROOT / "docs" / "evidence" / FILE
+    before = files.load_if_any(Flown, file, REMEDY)
     found: list[Flown] = []
     for flights in all_flights():
         rows = runs_of(flights.case(2), RESULTS)
         if rows is not None:
             bounds = of_draws(flights, len(rows)) if flights.condition == "nominal" else []
             found += flown_of(flights, rows, bounds)
-    files.save(Flown, ROOT / "docs" / "evidence" / FILE, found, 4)
-    return write()
+            continue
+        old = [line for line in before if (line.satellite, line.condition) == (flights.satellite, flights.condition)]
+        yield f"{flights.name}: no flights of the FMUs as they are; {len(old)} lines of {FILE} stay"
+        found += old
+    files.save(Flown, file, found, 4)
+    yield f"written: {write()}"
 
 
 def write() -> Path:

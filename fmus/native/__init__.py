@@ -11,7 +11,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..block import lenders, module_of
+from ..block import inside, lenders, module_of, natives
 from ..contents.archive import archive, common
 from ..contents.description import Capabilities, guid_from, model_description
 from ..contents.description3 import build_description, model_description_3
@@ -100,9 +100,10 @@ def lay_out(
         shells.append(SHELL_3)
     files |= generated_sources(interface, folder) if generated is None else generated
     written = _written(files, generated_into)
-    native = folder / "native"
+    own = natives(folder)
     of_shells = [path for shell in shells for path in sorted(shell.glob("*.c"))]
-    return [*of_shells, *sorted(native.rglob("*.c")), *written], [*shells, COMMON, generated_into, native]
+    of_block = [path for native in own for path in sorted(native.rglob("*.c"))]
+    return [*of_shells, *of_block, *written], [*shells, COMMON, generated_into, *own]
 
 
 def _written(files: dict[str, str], into: Path) -> list[Path]:
@@ -115,13 +116,16 @@ def _written(files: dict[str, str], into: Path) -> list[Path]:
 def sources(folder: Path) -> list[Path]:
     """All files that decide a native FMU's bytes, but for the interface and the block's tables."""
     here = [path for path in _HERE.rglob("*") if path.suffix in (".c", ".h", ".py")]
-    return sorted(here) + sorted(path for path in (folder / "native").rglob("*") if path.suffix in (".c", ".h", ".py"))
+    of_block = (path for native in natives(folder) for path in sorted(native.rglob("*")))
+    return sorted(here) + [path for path in of_block if path.suffix in (".c", ".h", ".py")]
 
 
 def generated_sources(interface: Interface, folder: Path) -> dict[str, str]:
     """Returns the C that a block includes and that is kept nowhere, by file name: its structures, and what
     `generated()` of `native/tables.py` returns, of the block and of those that lend to it."""
     made = ports_header(interface)
+    if (within := inside(folder)) is not None:
+        made |= ports_header(within.interface)
     if (folder / "native" / "tables.py").exists():
         with module_of(folder, "native.tables") as tables:
             made |= tables.generated()

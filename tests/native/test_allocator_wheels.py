@@ -355,3 +355,22 @@ def test_friction_is_learned_and_given_back_on_both_sides_of_zero_speed() -> Non
     late = np.array(missed[800:])  # a sample in which a wheel crosses zero is not exact
     assert late.max(axis=1).mean() < 1e-6
     assert (late > 3e-6).any(axis=1).mean() < 0.02
+
+
+def test_a_dead_wheel_is_found_by_commands_that_friction_could_take_and_one_that_sticks_is_moved() -> None:
+    """Commands of 0.4 % of the torque; of the second case the friction is 4 % and holds the wheel at first."""
+    for gain, friction in ((0.0, 0.0), (1.0, 1.2e-4)):
+        rng, h, found = np.random.default_rng(3), np.zeros(4), []
+        with running(BLOCK, **FOUR, b_B=[0.0, 0.0, 0.0], wheel_weight_ff=0.1) as it:
+            for i in range(1200):
+                command = it.get("wheel_torque_cmd")
+                beyond = np.maximum(np.abs(command[1]) - friction, 0.0) * np.sign(command[1])
+                h = h + 0.5 * np.where(np.arange(4) == 1, gain * beyond, command)
+                torque = 1.2e-5 * np.sign(math.sin(i / 60.0)) * NULL / np.abs(NULL).max()
+                it.set("wheel_torque_ff", torque + rng.normal(scale=1e-7, size=4))
+                it.set("h_w", h)
+                it.step(0.5 * i, 0.5)
+                found.append(it.get("wheel_failed").tolist())
+        assert found[-1] == [False, gain == 0.0, False, False]
+        assert not any(each[k] for each in found for k in (0, 2, 3))
+        assert gain == 0.0 or not np.any(found)

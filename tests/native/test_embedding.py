@@ -18,6 +18,7 @@ import pytest
 
 import allocator
 import controller
+from fmus.block import natives
 from fmus.interface import load
 from fmus.native import lay_out
 from fmus.native.toolchain import FLAGS, FREESTANDING
@@ -153,12 +154,12 @@ def test_the_page_states_the_memory_of_both_laws(flight: ctypes.CDLL) -> None:
 
 @pytest.mark.parametrize("block", some(FLOWN, "controller", "allocator"))
 def test_the_laws_compile_for_a_processor_without_an_operating_system(block: str, tmp_path: Path) -> None:
-    native = folder(block) / "native"
+    folders = natives(folder(block))
     lay_out(load(block), folder(block), "{}", tmp_path)  # the tables that the build writes
-    for law in native.rglob("*.c"):
+    for law in folders[0].rglob("*.c"):
         command = [*ZIG, "-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m7", *FLIGHT, "-ffreestanding"]
         command += [
-            *(f"-I{path}" for path in (FREESTANDING, COMMON, tmp_path, native)),
+            *(f"-I{path}" for path in (FREESTANDING, COMMON, tmp_path, *folders)),
             "-c",
             str(law),
             "-o",

@@ -10,6 +10,8 @@ static const double FORGOTTEN = 300.0;
 static const double FRICTION = 0.05;
 /* s, in which the friction of a wheel is learned; of its limit: larger commands say more of the drive's gain. */
 static const double LEARNED = 30.0, SMALL_TORQUE = 0.1;
+/* Of a command: less is no motion; of its limit, and s: to where, and how fast, commands of a wheel that stands rise. */
+static const double MOVES = 0.1, STANDING = 0.08, LEARNED_STANDING = 15.0;
 /* Of its limit, and s: commands that are no more beyond friction, for so long, say nothing of a wheel. */
 static const double TRUST_TORQUE = 0.02, TRUST_TIME = 20.0;
 /* s, for which this is found before a wheel counts as failed: telemetry may be a sample old. */
@@ -65,15 +67,22 @@ double allocator_bounded_with_friction(const AllocatorBoundedLaw *law, const All
     return clip(wanted + x->friction[i] * sign, -limit, limit);
 }
 
-/* The Coulomb friction of wheel i by what it gave less than the last command, over h. */
+/* The Coulomb friction of wheel i by what it gave less than the last command, over h; of one that does not move at all
+ * more than a wheel has, so that a dead one is found by small commands, too. */
 static double learned_friction(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, double h_w, double h,
                                int i)
 {
-    const double limit = law->p.wheel_torque_max[i], sign = mean_sign(x->h_w[i], h_w);
-    if (x->failed_for[i] != 0.0 || fabs(x->command[i]) > SMALL_TORQUE * limit) {
+    const double limit = law->p.wheel_torque_max[i], command = x->command[i], gave = (h_w - x->h_w[i]) / h;
+    if (x->failed_for[i] > 0.0) {
+        return 0.0;
+    }
+    if (fabs(command) > SMALL_TORQUE * limit) {
         return x->friction[i];
     }
-    const double taken = x->command[i] - (h_w - x->h_w[i]) / h;
+    if (fabs(gave) < MOVES * fabs(command)) {
+        return smaller(x->friction[i] + h / LEARNED_STANDING * (fabs(command) - x->friction[i]), STANDING * limit);
+    }
+    const double sign = mean_sign(x->h_w[i], h_w), taken = command - gave;
     const double change = h / (h + LEARNED) * sign * (taken - sign * x->friction[i]);
     return clip(x->friction[i] + change, 0.0, FRICTION * limit);
 }

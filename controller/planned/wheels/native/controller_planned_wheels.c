@@ -1,6 +1,8 @@
 /* The commands, and the steps. Tests: tests/controller/planned/wheels/. Equations: docs/how/planned-wheels.md. */
 #include "controller_planned_wheels.h"
 
+#include <string.h>
+
 #include "sample.h"
 
 static const double SOONER = 0.2; /* of unloading_time, before the hold */
@@ -36,7 +38,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
         dipole = shedding_dipole(law->rods, p->dipole_max, p->rod_limits, along, b);
     }
     const Vector by_rods = cross(apply_transposed(law->rods, dipole), b);
-    const Target plan = controller_planned_wheels_plan_at(x, &s->target, p->command_period);
+    const Wanted plan = controller_planned_wheels_plan_at(x, &s->target, p->command_period);
     Vector tau;
     if (sheds) {
         tau = subtract(by_rods, by_wheels);
@@ -67,7 +69,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     store(x->disturbance_B, y->disturbance_B);
 }
 
-bool controller_planned_wheels_outputs(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
+bool controller_planned_wheels_outputs(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
                                        const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
                                        Fault *f)
 {
@@ -75,47 +77,48 @@ bool controller_planned_wheels_outputs(const ControllerPlannedWheelsLaw *law, co
     if (!controller_planned_wheels_take_sample(law, x->failed, u, &s, f)) {
         return false;
     }
+    if (x->few > 0) {
+        return controller_planned_wheels_outputs_few(law, x, u, y, f);
+    }
     command(law, x, &s, u, y);
     return true;
 }
 
-/* The sample of u at the time of x, and its outputs. */
-static bool advance(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u, bool first,
+/* The sample of u, which ends the step h, and its outputs. */
+static bool advance(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u, bool first, double h,
                     ControllerPlannedWheelsState *x, ControllerPlannedWheelsOutputs *y, Fault *f)
 {
     Sample s;
+    if (!controller_planned_wheels_take_sample(law, u->wheel_failed, u, &s, f)) {
+        return false;
+    }
+    x->t += h;
     for (int i = 0; i < WHEELS_MAX; ++i) {
         x->failed[i] = u->wheel_failed[i];
     }
-    if (!controller_planned_wheels_take_sample(law, x->failed, u, &s, f)) {
-        return false;
+    const int32_t few = controller_planned_wheels_few(law, x->failed);
+    if (few > 0) {
+        return controller_planned_wheels_step_few(law, few, first, h, u, x, y, f);
     }
-    controller_planned_wheels_decide(law, &s, u, first, x);
+    controller_planned_wheels_decide(law, &s, u, first || x->few > 0, x);
+    x->few = 0;
     command(law, x, &s, u, y);
     return true;
 }
 
-bool controller_planned_wheels_start(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
+bool controller_planned_wheels_start(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
                                      ControllerPlannedWheelsState *x, Fault *f)
 {
-    ControllerPlannedWheelsState now = {.axis = {1.0, 0.0, 0.0}, .turn = {0.0, 1.0, 1.0}};
     ControllerPlannedWheelsOutputs y;
-    if (!advance(law, u, true, &now, &y, f)) {
-        return false;
-    }
-    *x = now;
-    return true;
+    memset(x, 0, sizeof *x);
+    x->axis = (Vector){1.0, 0.0, 0.0};
+    x->turn = (SlewTurn){0.0, 1.0, 1.0};
+    return advance(law, u, true, 0.0, x, &y, f);
 }
 
-bool controller_planned_wheels_step(const ControllerPlannedWheelsLaw *law, ControllerPlannedWheelsState *x,
+bool controller_planned_wheels_step(ControllerPlannedWheelsLaw *law, ControllerPlannedWheelsState *x,
                                     const ControllerPlannedWheelsInputs *u, double h, ControllerPlannedWheelsOutputs *y,
                                     Fault *f)
 {
-    ControllerPlannedWheelsState next = *x;
-    next.t += h;
-    if (!advance(law, u, false, &next, y, f)) {
-        return false;
-    }
-    *x = next;
-    return true;
+    return advance(law, u, false, h, x, y, f);
 }

@@ -2,10 +2,11 @@
  * by the rods, the turn of least time that they can give is tracked by the wheels. docs/how/planned-wheels.md has its
  * equations, (n) in the comments.  Flight code: plain functions of plain structures, bounded time, no recursion. Use:
  * check and prepare once (and again after a change of parameters), start once, then step at every sample. SI units;
- * frames as at the ports. A function that returns false has noted a fault and changed nothing else. */
+ * frames as at the ports. A function that returns false has noted a fault. */
 #ifndef CONTROLLER_PLANNED_WHEELS_H
 #define CONTROLLER_PLANNED_WHEELS_H
 
+#include "controller_planned.h"
 #include "controller_planned_wheels_ports.h"
 #include "shedding.h"
 #include "turn.h"
@@ -22,6 +23,8 @@ typedef struct {
     SlewTurn turn;
     Vector shedding;      /* unit, in N: along it momentum is shed, (7) */
     Vector disturbance_B; /* N m, what the hold has to counter */
+    int32_t few;          /* 1 to WHEELS_MAX: the one wheel that works; above: there is none; 0: there are more */
+    ControllerPlannedState planned; /* with one wheel or none */
 } ControllerPlannedWheelsState;
 
 /* Parameters and what follows from them alone. */
@@ -33,6 +36,8 @@ typedef struct {
     double rods_dipole;      /* A m2, of the mean rod at its limit */
     Vector axes[WHEELS_MAX]; /* unit; zero of a wheel that is not there */
     Vector h_target;         /* N m s, of the wheels together */
+    int32_t few;             /* for which `planned` has been prepared; 0: none */
+    ControllerPlannedLaw planned;
 } ControllerPlannedWheelsLaw;
 
 bool controller_planned_wheels_check(const ControllerPlannedWheelsParameters *p, Fault *f);
@@ -41,16 +46,16 @@ bool controller_planned_wheels_check(const ControllerPlannedWheelsParameters *p,
 void controller_planned_wheels_prepare(const ControllerPlannedWheelsParameters *p, ControllerPlannedWheelsLaw *law);
 
 /* The state at t = 0; the first command is that of these inputs. */
-bool controller_planned_wheels_start(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
+bool controller_planned_wheels_start(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
                                      ControllerPlannedWheelsState *x, Fault *f);
 
 /* The commands at the time of x. */
-bool controller_planned_wheels_outputs(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
+bool controller_planned_wheels_outputs(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
                                        const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
                                        Fault *f);
 
 /* From t to t + h: u are the inputs at t + h. */
-bool controller_planned_wheels_step(const ControllerPlannedWheelsLaw *law, ControllerPlannedWheelsState *x,
+bool controller_planned_wheels_step(ControllerPlannedWheelsLaw *law, ControllerPlannedWheelsState *x,
                                     const ControllerPlannedWheelsInputs *u, double h, ControllerPlannedWheelsOutputs *y,
                                     Fault *f);
 

@@ -16,7 +16,7 @@ static bool is_finite_input(const ControllerPlannedWheelsInputs *u, Fault *f)
 }
 
 /* The target of the parameters, or that of the inputs where they are connected. */
-static bool target_of(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u, Target *target,
+static bool target_of(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u, Wanted *target,
                       Fault *f)
 {
     const bool given[] = {controller_planned_wheels_has_R_ref(u), controller_planned_wheels_has_Omega_ref(u),
@@ -30,11 +30,11 @@ static bool target_of(const ControllerPlannedWheelsLaw *law, const ControllerPla
         if (!reference_at(law->p.reference, law->R_d0, rest, 0.0, vector(u->r_N), vector(u->v_N), &r, f)) {
             return false;
         }
-        *target = (Target){true, r.R_d, r.Omega_d, r.dOmega_d};
+        *target = (Wanted){true, r.R_d, r.Omega_d, r.dOmega_d};
         return true;
     }
     *target =
-        (Target){!is_zero_matrix(matrix(u->R_ref)), matrix(u->R_ref), vector(u->Omega_ref), vector(u->dOmega_ref)};
+        (Wanted){!is_zero_matrix(matrix(u->R_ref)), matrix(u->R_ref), vector(u->Omega_ref), vector(u->dOmega_ref)};
     return !target->attitude || is_rotation(target->R, REFERENCE_ATTITUDE_TOLERANCE, "R_ref", "a rotation matrix", f);
 }
 
@@ -98,9 +98,9 @@ bool controller_planned_wheels_take_sample(const ControllerPlannedWheelsLaw *law
     return true;
 }
 
-Target controller_planned_wheels_plan_at(const ControllerPlannedWheelsState *x, const Target *target, double mean)
+Wanted controller_planned_wheels_plan_at(const ControllerPlannedWheelsState *x, const Wanted *target, double mean)
 {
-    Target plan = *target;
+    Wanted plan = *target;
     if ((x->phase == WHEELS_TURN || x->phase == WHEELS_HOLD) && target->attitude) {
         const double time = x->t - x->begun;
         const TurnPoint now = turn_at(&x->turn, time), then = turn_at(&x->turn, time + mean);
@@ -114,7 +114,7 @@ Target controller_planned_wheels_plan_at(const ControllerPlannedWheelsState *x, 
     return plan;
 }
 
-Errors controller_planned_wheels_errors_of(const Target *plan, Matrix R, Vector Omega)
+Errors controller_planned_wheels_errors_of(const Wanted *plan, Matrix R, Vector Omega)
 {
     const Matrix Q = multiply(transposed(plan->R), R);
     const Vector Omega_d_B = apply_transposed(Q, plan->Omega), omega = subtract(Omega, Omega_d_B);

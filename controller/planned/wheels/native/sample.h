@@ -9,11 +9,11 @@ typedef struct {
     bool attitude; /* else only the rate counts */
     Matrix R;
     Vector Omega, dOmega; /* in axes of the desired body */
-} Target;
+} Wanted;
 
 /* What there is at a sample. */
 typedef struct {
-    Target target;
+    Wanted target;
     Matrix Q;          /* body to desired body; one without an attitude */
     Vector zeta, rate; /* errors from the target, in its axes and in body axes: (5) */
     double angle;      /* pi without an attitude */
@@ -36,9 +36,9 @@ bool controller_planned_wheels_take_sample(const ControllerPlannedWheelsLaw *law
 
 /* (4), (5): the plan, which is the target but for the angle that is left of a turn. `mean` s are those over which its
  * acceleration is the mean. */
-Target controller_planned_wheels_plan_at(const ControllerPlannedWheelsState *x, const Target *target, double mean);
+Wanted controller_planned_wheels_plan_at(const ControllerPlannedWheelsState *x, const Wanted *target, double mean);
 
-Errors controller_planned_wheels_errors_of(const Target *plan, Matrix R, Vector Omega);
+Errors controller_planned_wheels_errors_of(const Wanted *plan, Matrix R, Vector Omega);
 
 /* What is done from this sample on: (8). */
 void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, const Sample *s,
@@ -48,5 +48,21 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
 /* (10): each wheel's part of their torque `wanted` on the body, and what evens out their momenta. */
 void controller_planned_wheels_share(const ControllerPlannedWheelsLaw *law, const Sample *s,
                                      const double h_w[WHEELS_MAX], Vector wanted, double of_wheels[WHEELS_MAX]);
+
+/* Which wheel alone works, 1 to WHEELS_MAX, or WHEELS_MAX + 1 where none does; 0: more than one. */
+int32_t controller_planned_wheels_few(const ControllerPlannedWheelsLaw *law, const bool failed[WHEELS_MAX]);
+
+/* The parameters of controller_planned for the wheel x->few. */
+ControllerPlannedParameters controller_planned_wheels_few_parameters(const ControllerPlannedWheelsParameters *p,
+                                                                     int32_t few);
+
+/* With one wheel or none: from x->t - h, where the state has that number of wheels since before, else the begin. */
+bool controller_planned_wheels_step_few(ControllerPlannedWheelsLaw *law, int32_t few, bool first, double h,
+                                        const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsState *x,
+                                        ControllerPlannedWheelsOutputs *y, Fault *f);
+
+bool controller_planned_wheels_outputs_few(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
+                                           const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
+                                           Fault *f);
 
 #endif

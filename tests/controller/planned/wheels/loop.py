@@ -44,10 +44,12 @@ def fly(
     plant: dict[str, Any],
     law: dict[str, Any],
     target: Callable[[int], Any] | None = None,
+    failed: Callable[[int], Any] | None = None,
 ) -> None:
     """Calls `each` at every sample with its number, the plant's outputs, those of the controller, and the plant.
 
-    `target`: the attitude at rest that is wanted at a sample, in the place of the parameters'.
+    `target`: the attitude at rest that is wanted at a sample, in the place of the parameters'; `failed`: the wheels
+    that are said to have failed, in the place of what the allocator finds.
     """
     with (
         running("plant_wheels", **body, **plant) as it,
@@ -60,7 +62,9 @@ def fly(
             allocator.set(name, body[name])
         for i in range(int(duration / H)):
             seen = {name: it.get(name) for name in MEASURED}
-            if i > 0:
+            if failed is not None:
+                controller.set("wheel_failed", failed(i))
+            elif i > 0:
                 controller.set("wheel_failed", allocator.get("wheel_failed"))
             for name, value in seen.items():
                 controller.set(name, value)

@@ -1,6 +1,6 @@
 /* The parameters of the controller: their check, and what follows from them alone. */
-#include "controller_planned_wheels.h"
 #include "reference.h"
+#include "sample.h"
 
 /* Whether there is room beside the wheels' target, in any direction: (2). */
 static bool bears_target(const ControllerPlannedWheelsParameters *p, Fault *f)
@@ -38,13 +38,18 @@ bool controller_planned_wheels_check(const ControllerPlannedWheelsParameters *p,
             return fault(f, "wheel_momentum_target", p->wheel_momentum_target[i], "within wheel_momentum_max");
         }
     }
-    return bears_target(p, f);
+    if (!bears_target(p, f)) {
+        return false;
+    }
+    const ControllerPlannedParameters few = controller_planned_wheels_few_parameters(p, WHEELS_MAX + 1);
+    return controller_planned_check(&few, f);
 }
 
 void controller_planned_wheels_prepare(const ControllerPlannedWheelsParameters *p, ControllerPlannedWheelsLaw *law)
 {
     const double *limits = p->rod_limits;
     law->p = *p;
+    law->few = 0;
     law->J = matrix(p->J_B);
     law->J_bound = 0.5 * (law->J.a.x + law->J.b.y + law->J.c.z); /* no moment is above the sum of the others */
     law->R_d0 = nearest_rotation(matrix(p->R_d0));

@@ -102,7 +102,7 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
     const Vector none = {0.0, 0.0, 0.0};
     const bool follows = !first && s->target.attitude && (x->phase == WHEELS_TURN || x->phase == WHEELS_HOLD);
     if (follows) {
-        const Target plan = controller_planned_wheels_plan_at(x, &s->target, law->p.command_period);
+        const Wanted plan = controller_planned_wheels_plan_at(x, &s->target, law->p.command_period);
         const Errors e = controller_planned_wheels_errors_of(&plan, matrix(u->R_NB), vector(u->omega_B));
         if (norm(e.zeta) + norm(e.omega) / s->k <= answered) {
             if (x->t - x->begun >= turn_time(&x->turn)) {
