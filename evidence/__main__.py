@@ -255,11 +255,19 @@ def satellites(jobs: int, cases: int, page: bool, bounds: bool) -> None:
 @_jobs
 @click.option("--cases", default=20, show_default=True, type=click.IntRange(2, 1000), help="Tumbles of each kind.")
 @click.option("--row", "rows", multiple=True, help="Fly the kinds whose names have this text alone; may be repeated.")
-@click.option("--page", is_flag=True, help="Write the page from docs/evidence/wheels.csv, without flying.")
-def wheels(jobs: int, cases: int, rows: tuple[str, ...], page: bool) -> None:
+@click.option(
+    "--part",
+    default="tumbles",
+    show_default=True,
+    type=click.Choice(["tumbles", "slews", "long"]),
+    help="Slews: --cases of each angle. Long: a day at a ground station, 100 orbits of hold.",
+)
+@click.option("--page", is_flag=True, help="Write the page from the CSV files, without flying.")
+def wheels(jobs: int, cases: int, rows: tuple[str, ...], part: str, page: bool) -> None:
     """Fly satellites with three and four wheels, and make docs/evidence/wheels.md; one that was interrupted goes on."""
-    for line in [f"written: {wheels_flown.write()}"] if page else wheels_flown.make(cases, jobs, rows):
+    for line in () if page else wheels_flown.PARTS[part](cases, jobs, rows):
         say(line)
+    say(f"written: {wheels_flown.write()}")
 
 
 @main.command()

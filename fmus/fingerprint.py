@@ -43,9 +43,9 @@ def fingerprint(block: Block, flavour: str) -> str:
     """
     there = [path.stat() for path in map(places.shared, _SHARED) if path.exists()]
     shared = tuple((file.st_size, file.st_mtime_ns) for file in there)
-    own = block.name, flavour, block.interface.source, shared, _state(_HERE, flavour), _state(block.folder)
     within = inside(block.folder)
-    own += () if within is None else (within.interface.source, _state(within.folder))
+    other = None if within is None else (within.interface.source, _state(within.folder))
+    own = block.name, flavour, block.interface.source, shared, _state(_HERE, flavour), _state(block.folder), other
     owners = _remembered(("owners", own), tuple, lambda: tuple(lenders(block.folder).values()))
     files = own, *map(_state, owners)
     packages = _remembered(("packages", files), list, lambda: data_packages(block.folder))

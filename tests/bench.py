@@ -111,6 +111,34 @@ def versions(runs: int) -> None:
             row(name, f"{three:.3f} s", f"{100 * (three / two - 1):+.1f} %")
 
 
+def of_four() -> dict[str, Any]:
+    """The orbit with four wheels, each with the command of the one."""
+    data = orbit("native", 4)
+    limits = {name: data["shared"].pop(name) for name in WHEEL}
+    plant, allocator = (data["blocks"][name] for name in ("plant", "allocator"))
+    axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.6, 0.64, 0.48]]
+    plant |= {"fmu": "plant_wheels", "differs": [*WHEEL[:2], "wheel_axis"]}
+    plant["start"] |= {"wheels": 4, "wheel_axis": axes, **{name: [value] * 4 for name, value in limits.items()}}
+    allocator.setdefault("start", {}).update({name: limits[name] for name in WHEEL[:2]})
+    allocator["differs"] = list(WHEEL[:2])
+    wires = [wire for wire in data["connections"] if ".h_w" not in wire and ".wheel_torque_cmd" not in wire]
+    wires += [f"allocator.wheel_torque_cmd -> plant.wheel_torque_cmd[{i}]" for i in range(1, 5)]
+    return data | {"connections": [*wires, "plant.h_w[1] -> allocator.h_w"]}
+
+
+WHEEL = ("wheel_torque_max", "wheel_momentum_max", "wheel_inertia")
+
+
+def wheels(runs: int) -> None:
+    """The orbit with four wheels beside that with one, turn by turn."""
+    scenarios = {1: orbit("native", 4), 4: of_four()}
+    walls: dict[int, list[float]] = {n: [] for n in scenarios}
+    for _ in range(3 * runs):
+        for n, scenario in scenarios.items():
+            walls[n].append(orchestration.run(scenario).wall)
+    row("four wheels beside one, quickest run", f"{min(walls[4]):.3f} s", f"{min(walls[4]) / min(walls[1]):.2f} times")
+
+
 LAW = """
 import numpy as np
 
@@ -248,6 +276,7 @@ def main() -> None:
     again(runs)
     laws(runs)
     versions(runs)
+    wheels(runs)
     bench_pages.pages(runs, row)
     calls("native", 20000)
     calls("python", 2000)

@@ -70,11 +70,11 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
             math.degrees(value["hold_max"][i]),
             value["wheel_max"][i] / CLASSES[flights.satellite].wheel_momentum_max,
             math.nan if run >= len(bounds) or bounds[run] is None else float(bounds[run] or 0.0),
-            *_found([value[f"found_{k}"][i] for k in range(4)], int(wheel[i]), lost, flights.wheels),
+            *found_in([value[f"found_{k}"][i] for k in range(4)], int(wheel[i]), lost, flights.wheels),
         )
 
 
-def _found(times: Sequence[float], wheel: int, lost: int, wheels: int) -> tuple[float, int]:
+def found_in(times: Sequence[float], wheel: int, lost: int, wheels: int) -> tuple[float, int]:
     """When the last of the wheels that fail was reported, s, and how many of the others were; `times`: of each."""
     fail = {(wheel + k) % wheels for k in range(lost)}
     late = [math.inf if math.isnan(times[k]) else times[k] for k in fail]

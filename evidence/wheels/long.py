@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestration import run
+from orchestration import InputError, run
 
 from .. import files
 from ..crew import crew
@@ -21,6 +21,8 @@ from .cases import CONDITIONS, WHEELS, Flights, scenario, with_set
 FILE = ROOT / "docs" / "evidence" / "wheels_long.csv"
 DAY, HOLD = "a day at a ground station", "100 orbits of hold, all errors"
 DURATION = {DAY: 86400.0, HOLD: 6e5}
+TARGET = 6
+"""The supervisor's mode in which a station is followed."""
 BEGIN, INTERVAL = 3000.0, 5.0
 """s: from which on it is judged, and between its records."""
 
@@ -39,9 +41,12 @@ class Long:
 
 def _day(satellite: str) -> Data:
     """The station is followed all the time, above and below the horizon, by the sensors of track_ground_station."""
-    data = with_set(base_of("track_ground_station"), satellite)
+    data = base_of("track_ground_station")
+    for entry in data["blocks"].values():
+        entry.setdefault("every", 1)
+    data = with_set(data, satellite)
     data.pop("phases", None)
-    data["timeline"] = [{"at": 600.0, "set": {"supervisor.command": 6}}]
+    data["timeline"] = [{"at": 600.0, "set": {"supervisor.command": TARGET}}]
     return change(data, {"sensors.h_w": 0.0})
 
 
@@ -60,9 +65,12 @@ def fly(which: tuple[str, str]) -> Long:
     """Flies one: its name and the satellite."""
     name, satellite = which
     data = _day(satellite) if name == DAY else _hold(satellite)
-    record = {"interval": INTERVAL, "signals": ["judge.attitude_error", "plant.h_w"]}
+    signals = ["judge.attitude_error", "plant.h_w", *(["supervisor.mode"] if name == DAY else [])]
+    record = {"interval": INTERVAL, "signals": signals}
     result = run({**data, "duration": DURATION[name], "record": record})
     late = result.time >= BEGIN
+    if name == DAY and not (result["supervisor.mode"][late] == TARGET).all():
+        raise InputError(f"{name}, {satellite}: the station was not followed all the time")
     angle = np.degrees(result["judge.attitude_error"][late])
     share = float(np.abs(result["plant.h_w"][late]).max()) / CLASSES[satellite].wheel_momentum_max
     return Long(name, satellite, math.sqrt(float((angle**2).mean())), float(angle.max()), share)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from orchestration import InputError
@@ -11,7 +11,7 @@ from .. import files
 from ..crew import crew, runs_of
 from ..paper import FOLDER, ROOT
 from ..plots import save as save_figures
-from . import page
+from . import long, page, slews
 from .bound import of_draws
 from .cases import all_flights
 from .kept import FILE, REMEDY, Flown, flown_of
@@ -21,7 +21,7 @@ RESULTS = FOLDER / "wheels"
 
 def make(cases: int, jobs: int, rows: Sequence[str]) -> Iterator[str]:
     """Flies what is left of so many tumbles of each, or of those whose names have one of these texts; then writes
-    docs/evidence/wheels.csv and the page. Tells of what was not flown by the FMUs as they are."""
+    docs/evidence/wheels.csv. Tells of what was not flown by the FMUs as they are."""
     wanted = [one for one in all_flights() if not rows or any(text in one.name for text in rows)]
     if not wanted:
         raise InputError(f"row: expected a part of one of {', '.join(one.name for one in all_flights())}")
@@ -38,7 +38,7 @@ def make(cases: int, jobs: int, rows: Sequence[str]) -> Iterator[str]:
 
 
 def keep() -> Iterator[str]:
-    """Writes docs/evidence/wheels.csv and the page, from the flights that there are of the FMUs as they are; of a kind
+    """Writes docs/evidence/wheels.csv from the flights that there are of the FMUs as they are; of a kind
     that has none the lines of the file stay, which is told."""
     file = ROOT / "docs" / "evidence" / FILE
     before = files.load_if_any(Flown, file, REMEDY)
@@ -53,7 +53,6 @@ def keep() -> Iterator[str]:
         yield f"{flights.name}: no flights of the FMUs as they are; {len(old)} lines of {FILE} stay"
         found += old
     files.save(Flown, file, found, 4)
-    yield f"written: {write()}"
 
 
 def write() -> Path:
@@ -61,5 +60,13 @@ def write() -> Path:
     docs = ROOT / "docs" / "evidence"
     found = files.load(Flown, docs / FILE, REMEDY)
     save_figures({"wheels": page.figure(found)}, docs.parent / "figures")
-    (docs / "wheels.md").write_text(page.text(found), "utf-8")
+    (docs / "wheels.md").write_text(page.text(found, slews.load(), long.load()), "utf-8")
     return docs / "wheels.md"
+
+
+PARTS: dict[str, Callable[[int, int, Sequence[str]], Iterator[str]]] = {
+    "tumbles": make,
+    "slews": lambda cases, jobs, rows: slews.make(cases, jobs),
+    "long": lambda cases, jobs, rows: long.make(jobs),
+}
+"""What is flown: so many cases, by so many processes, of these rows. Each tells what it did."""

@@ -3,7 +3,8 @@ Tests: tests/evidence/wheels/test_wheels.py."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,14 @@ from ..markdown import degrees
 from ..plots import BLUE, RED, name_axes, panels
 from .cases import CONDITIONS, DURATION, ORBIT, WHEELS
 from .kept import Flown
+from .long import Long
+from .slews import ANGLES, WITHIN, Slew
 
 HOLDS = {"nominal": 0.005, "estimated": 0.02}
 """deg rms: the requirements of the hold."""
 
 
-def text(flown: Sequence[Flown]) -> str:
+def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long]) -> str:
     """Returns the page."""
     healthy = [f for f in flown if f.condition in ("nominal", "errors", "estimated")]
     least = [f.settled_5 / f.least_time for f in flown if f.condition == "nominal" and f.least_time > 60.0]
@@ -30,8 +33,18 @@ def text(flown: Sequence[Flown]) -> str:
         holds=[_hold(flown, name, limit) for name, limit in HOLDS.items()],
         one_of_four=_count([f for f in flown if f.condition == "one dead" and len(WHEELS[f.satellite]) == 4]),
         one_of_three=_count([f for f in flown if f.condition == "one dead" and len(WHEELS[f.satellite]) == 3]),
-        fewer=_count([f for f in flown if f.condition in ("two dead", "all dead")]),
+        one_left=_count([f for f in flown if f.condition == "two dead"]),
+        none_left=_count([f for f in flown if f.condition == "all dead"]),
+        others=_count([f for f in flown if f.condition in ("one weak", "one reversed", "one stuck", "one drags")]),
+        named=sum(f.others for f in flown),
         rows=[row for name in WHEELS for row in _rows(flown, name)],
+        failed=[row for name in WHEELS for row in _failed(flown, name)],
+        slews=[row for name in WHEELS for row in _slews(slews, name)],
+        slews_within=f"{sum(one.ratio <= WITHIN for one in slews):,} of {len(slews):,}",
+        long=[
+            (one.flight, one.satellite, degrees(one.rms), degrees(one.largest), f"{one.wheel_share:.2f}")
+            for one in long
+        ],
         ratios=f"{np.median(least):.1f}, at most {max(least):.1f}, of {len(least)}" if least else "not known",
         most=max((f.run + 1 for f in flown), default=0),
         cases=len(flown),
@@ -62,17 +75,47 @@ def _hold(flown: Sequence[Flown], condition: str, limit: float) -> str:
 
 def _rows(flown: Sequence[Flown], satellite: str) -> list[list[str]]:
     rows = []
+    for text, those in _kinds(flown, satellite, failed=False):
+        settled = [f for f in those if f.settled]
+        steep = [f for f in those if f.inclination >= 30.0]
+        share = f"{max(x.wheel_share for x in settled):.2f}" if settled else "–"
+        rows.append([satellite, text, _count(those), _count(steep), *_times(those), *_holds(settled), share])
+    return rows
+
+
+def _failed(flown: Sequence[Flown], satellite: str) -> list[list[str]]:
+    rows = []
+    for text, those in _kinds(flown, satellite, failed=True):
+        found = [f.found for f in those if math.isfinite(f.found)]
+        when = [f"{f(found):,.0f}" if found else "–" for f in (_median, max)]
+        told = [f"{len(found)} of {len(those)}", *when, str(sum(f.others for f in those))]
+        rows.append([satellite, text, _count(those), *_times(those), *_holds([f for f in those if f.settled]), *told])
+    return rows
+
+
+def _kinds(flown: Sequence[Flown], satellite: str, failed: bool) -> Iterator[tuple[str, list[Flown]]]:
+    """The flights of each condition that there are, by its text."""
     for name, condition in CONDITIONS.items():
         those = [f for f in flown if (f.satellite, f.condition) == (satellite, name)]
-        if not those:
-            continue
-        settled = [f for f in those if f.settled]
-        times = [f"{f(x.settled_5 for x in those):,.0f}".replace("inf", "–") for f in (_median, max)]
-        steep = [f for f in those if f.inclination >= 30.0]
-        hold = [degrees(f(x.hold_rms for x in settled)) if settled else "–" for f in (_median, max)]
-        share = f"{max(x.wheel_share for x in settled):.2f}" if settled else "–"
-        rows.append([satellite, condition.text, _count(those), _count(steep), *times, *hold, share])
-    return rows
+        if those and (condition.lost > 0) == failed:
+            yield condition.text, those
+
+
+def _times(those: Sequence[Flown]) -> list[str]:
+    return [f"{f(x.settled_5 for x in those):,.0f}".replace("inf", "–") for f in (_median, max)]
+
+
+def _holds(settled: Sequence[Flown]) -> list[str]:
+    return [degrees(f(x.hold_rms for x in settled)) if settled else "–" for f in (_median, max)]
+
+
+def _slews(slews: Sequence[Slew], satellite: str) -> Iterator[list[str]]:
+    for angle in ANGLES:
+        ratios = [one.ratio for one in slews if (one.satellite, one.angle) == (satellite, angle)]
+        if ratios:
+            within = f"{sum(ratio <= WITHIN for ratio in ratios)} of {len(ratios)}"
+            worst = f"{max(ratios):.2f}".replace("inf", "–")
+            yield [satellite, str(len(WHEELS[satellite])), f"{angle}°", within, f"{_median(ratios):.2f}", worst]
 
 
 def _median(values: Any) -> float:
