@@ -14,7 +14,8 @@ from orchestration.campaign.flying.rows import Rows
 from ..flight.cases import HOLD
 from ..paper import Array
 from ..satellites.classes import CLASSES
-from .cases import CONDITIONS, DURATION, Flights
+from .bound import fullest_wheel, plants
+from .cases import CONDITIONS, DURATION, ORBIT, Flights
 
 FILE = "wheels.csv"
 REMEDY = "python -m evidence wheels"
@@ -40,6 +41,9 @@ class Flown:
     """When the last of the wheels that fail was found, s."""
     others: int
     """Wheels that do not fail and were reported."""
+    fill: float
+    """Of a healthy tumble that does not settle: what the fullest wheel needs at least in the last two orbits, of its
+    limit (bound.py)."""
 
     @property
     def settled(self) -> bool:
@@ -58,6 +62,7 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
     drawn = flights.drawn(max(rows.index.tolist()) + 1)
     wheel, lost = rows.numbers("wheel"), CONDITIONS[flights.condition].lost
     for i, run in enumerate(rows.index.tolist()):
+        lost_hold = lost == 0 and not math.isfinite(five[i])
         yield Flown(  # settled within the last HOLD counts as never
             flights.satellite,
             flights.condition,
@@ -71,6 +76,7 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
             value["wheel_max"][i] / CLASSES[flights.satellite].wheel_momentum_max,
             math.nan if run >= len(bounds) or bounds[run] is None else float(bounds[run] or 0.0),
             *found_in([value[f"found_{k}"][i] for k in range(4)], int(wheel[i]), lost, flights.wheels),
+            fullest_wheel(plants(flights, run + 1)[run], DURATION - 2.0 * ORBIT, DURATION) if lost_hold else math.nan,
         )
 
 
