@@ -110,7 +110,7 @@ bool controller_planned_wheels_start(ControllerPlannedWheelsLaw *law, const Cont
                                      ControllerPlannedWheelsState *x, Fault *f)
 {
     ControllerPlannedWheelsOutputs y;
-    memset(x, 0, sizeof *x);
+    (void)memset(x, 0, sizeof *x);
     x->axis = (Vector){1.0, 0.0, 0.0};
     x->turn = (SlewTurn){0.0, 1.0, 1.0};
     return advance(law, u, true, 0.0, x, &y, f);

@@ -47,7 +47,7 @@ ControllerPlannedParameters controller_planned_wheels_few_parameters(const Contr
     of.wheel_torque_max = has_wheel ? p->wheel_torque_max[few - 1] : NO_WHEEL;
     of.wheel_momentum_max = has_wheel ? p->wheel_momentum_max[few - 1] : NO_WHEEL;
     of.reference = p->reference;
-    memcpy(of.epoch, p->epoch, sizeof of.epoch);
+    (void)memcpy(of.epoch, p->epoch, sizeof of.epoch);
     return of;
 }
 
@@ -70,9 +70,9 @@ static ControllerPlannedInputs seen(const ControllerPlannedWheelsInputs *u, int3
     store(vector(u->Omega_ref), of.Omega_ref);
     store(vector(u->dOmega_ref), of.dOmega_ref);
     if (is_zero_matrix(matrix(u->R_NB)) && !controller_planned_wheels_has_R_ref(u)) { /* no attitude, no reference */
-        memset(of.R_ref, 0, sizeof of.R_ref);
-        memset(of.Omega_ref, 0, sizeof of.Omega_ref);
-        memset(of.dOmega_ref, 0, sizeof of.dOmega_ref);
+        (void)memset(of.R_ref, 0, sizeof of.R_ref);
+        (void)memset(of.Omega_ref, 0, sizeof of.Omega_ref);
+        (void)memset(of.dOmega_ref, 0, sizeof of.dOmega_ref);
     }
     for (int i = 0; i < AHEAD_TIMES; ++i) {
         of.t_ahead[i] = absent;
@@ -84,7 +84,7 @@ static ControllerPlannedInputs seen(const ControllerPlannedWheelsInputs *u, int3
 
 static void give(const ControllerPlannedOutputs *of, int32_t few, ControllerPlannedWheelsOutputs *y)
 {
-    memset(y, 0, sizeof *y);
+    (void)memset(y, 0, sizeof *y);
     store(vector(of->tau_cmd_B), y->tau_cmd_B);
     store(vector(of->dipole_ff), y->dipole_ff);
     if (few <= WHEELS_MAX) {
@@ -126,7 +126,7 @@ bool controller_planned_wheels_step_few(ControllerPlannedWheelsLaw *law, int32_t
     } else {
         if (begins) { /* as after an attitude that was lost, at this time */
             ControllerPlannedInputs none = now;
-            memset(none.R_NB, 0, sizeof none.R_NB);
+            (void)memset(none.R_NB, 0, sizeof none.R_NB);
             if (!controller_planned_start(&law->planned, &none, &x->planned, f)) {
                 return false;
             }
