@@ -51,7 +51,7 @@ static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const M
         memcpy(&x->plan, &law->trial, sizeof x->plan);
         x->reference = *now;
         x->planned.nodes = 0;
-        if ((x->strained || x->rods_alone) && may_be_flown(&x->plan)) {
+        if (x->strained && may_be_flown(&x->plan)) {
             controller_planned_keep_motion(&x->plan, law->workspace.x[law->workspace.now], &x->planned);
         }
     }

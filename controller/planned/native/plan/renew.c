@@ -4,7 +4,6 @@
 static const double HOLD_ORBITS = 0.25; /* that a hold's plan sees at least */
 static const double STAGE_LONG = 1.0;   /* T, of the stages that this takes */
 static const double LONGER_MAX = 80.0;  /* so many of them at most: else they are longer */
-static const double TURNED_AWAY = 1.0;  /* rad from the target, beyond which a strained hold's motion is no guess */
 
 enum { ITERATIONS = 5 }; /* of a plan at every renewal */
 
@@ -38,19 +37,15 @@ static bool improve(ControllerPlannedLaw *law, const ControllerPlannedState *x, 
                     const Motion *expected, const Motion *now, bool urgent, const Plan *was, int32_t *work)
 {
     Workspace *w = &law->workspace;
-    const bool kept = (x->strained || x->rods_alone) && x->planned.nodes > 0 && was == &x->plan;
+    const bool kept = x->strained && x->planned.nodes > 0 && was == &x->plan;
+    controller_planned_lay_stages(model, ahead, kept ? NULL : now, x->t, urgent, was, &law->trial, w->stage, work);
     if (kept) {
-        controller_planned_lay_stages(model, ahead, NULL, x->t, urgent, was, &law->trial, w->stage, work);
         spend(work, law->trial.stages * WORK_GUESS);
-        controller_planned_guess(&x->planned, x->rods_alone ? INFINITY : TURNED_AWAY, w->stage, &law->trial, w->x[0]);
+        controller_planned_guess(&x->planned, w->stage, &law->trial, w->x[0]);
         controller_planned_improve_guess(model, now, ITERATIONS, &law->trial, w, work);
-        if (!x->rods_alone || may_be_flown(&law->trial) ||
-            *work < STAGES * (WORK_LAY + 2 * WORK_ROLLOUT + WORK_OF_ITERATION)) {
-            return true;
-        }
+    } else {
+        controller_planned_improve(model, expected, now, ITERATIONS, &law->trial, w, work);
     }
-    controller_planned_lay_stages(model, ahead, now, x->t, urgent, was, &law->trial, w->stage, work);
-    controller_planned_improve(model, expected, now, ITERATIONS, &law->trial, w, work);
     return kept;
 }
 
@@ -75,7 +70,7 @@ bool controller_planned_renew(ControllerPlannedLaw *law, ControllerPlannedState 
             x->planned.nodes = 0;
         }
         if (!lost || x->longer <= least) {
-            return !x->rods_alone || may_be_flown(&law->trial) || !may_be_flown(was);
+            return true;
         }
         x->longer = (x->longer + least - 1) / 2;
         if (*work < STAGES * (WORK_LAY + WORK_ROLLOUT + WORK_OF_ITERATION)) {

@@ -10,6 +10,7 @@ static const double STRAINED_WEIGHT_WHEEL = 0.1;
 static const double STRAINED_WEIGHT_MOTOR = 100.0; /* the rods have to oppose what the motor gives across the field */
 static const double STRAINED_WEIGHT_FAR = 30.0;    /* of the angle beyond what is far */
 static const double STRAINED_NEAR_LIMIT = 0.97;    /* of what the wheel is let hold */
+static const double TURNED_AWAY = 1.0; /* rad from the target, beyond which a kept motion is not used as a guess */
 
 void controller_planned_plan_strained(Model *model)
 {
@@ -50,7 +51,7 @@ static Motion between(const PlannedMotion *kept, int i, double t)
                     a->l + s * (b->l - a->l)};
 }
 
-void controller_planned_guess(const PlannedMotion *kept, double farthest, const Stage stage[STAGES + 1], Plan *plan,
+void controller_planned_guess(const PlannedMotion *kept, const Stage stage[STAGES + 1], Plan *plan,
                               Motion x[STAGES + 1])
 {
     const int last = kept->nodes > 0 ? kept->nodes - 1 : 0;
@@ -62,7 +63,7 @@ void controller_planned_guess(const PlannedMotion *kept, double farthest, const 
         }
         const Target *target = &stage[k].target;
         x[k] = between(kept, i, t);
-        if (t > kept->t[last] || principal_angle(multiply(transposed(target->R), x[k].R)) > farthest) {
+        if (t > kept->t[last] || principal_angle(multiply(transposed(target->R), x[k].R)) > TURNED_AWAY) {
             x[k].R = target->R;
             x[k].Omega = target->Omega;
             if (k < plan->stages) {

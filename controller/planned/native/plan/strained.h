@@ -24,8 +24,8 @@ void controller_planned_plan_gently(Model *model);
 void controller_planned_keep_motion(const Plan *plan, const Motion x[STAGES + 1], PlannedMotion *kept);
 
 /* A guess x of the plan's motion from the one that was kept; the target, without controls, where that has ended or
- * is further away than `farthest`, rad. */
-void controller_planned_guess(const PlannedMotion *kept, double farthest, const Stage stage[STAGES + 1], Plan *plan,
+ * turned away. */
+void controller_planned_guess(const PlannedMotion *kept, const Stage stage[STAGES + 1], Plan *plan,
                               Motion x[STAGES + 1]);
 
 #endif
