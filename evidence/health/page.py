@@ -20,8 +20,11 @@ NOTHING = "nothing"
 def text(flights: Sequence[Flight]) -> str:
     """Returns the page."""
     of = {row.name: [f for f in flights if f.row == row.name] for row in ROWS}
-    failing = [f for row in ROWS if row.part or row.text.startswith("commands") for f in of[row.name]]
-    parts = [f for row in ROWS if row.part for f in of[row.name]]
+    failing = [
+        f for row in ROWS if (row.part or row.text.startswith("commands")) and not row.pair for f in of[row.name]
+    ]
+    parts = [f for row in ROWS if row.part and not row.pair for f in of[row.name]]
+    pairs = [f for row in ROWS if row.pair for f in of[row.name]]
     lost = [f for f in failing if f.outcome == "lost"]
     return markdown.render(
         Path(__file__).parent,
@@ -29,8 +32,9 @@ def text(flights: Sequence[Flight]) -> str:
         head=HEAD,
         flown=len(failing),
         lost=len(lost),
-        safe=sum(f.outcome == "safe" for f in failing),
-        kinds=sum(bool(of[row.name]) for row in ROWS if row.text != NOTHING),
+        pairs=len(pairs),
+        pairs_lost=sum(f.outcome == "lost" for f in pairs),
+        kinds=sum(bool(of[row.name]) for row in ROWS if row.text != NOTHING and not row.pair),
         kinds_lost=len({f.row for f in lost}),
         parts=len(parts),
         named=sum(np.isfinite(f.named_s) for f in parts),
