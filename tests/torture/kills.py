@@ -22,6 +22,7 @@ from pathlib import Path
 
 import click
 
+from orchestration.errors import InputError
 from orchestration.results.place import reserved
 
 from ..orchestration import fmus
@@ -29,6 +30,7 @@ from ..orchestration.wrong_inputs import SCENARIO
 
 ROOT = Path(__file__).parents[2]
 _HUNG = -999
+_PATIENCE = 10.0  # s
 _SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 
 
@@ -111,13 +113,25 @@ def _left(folder: Path) -> set[Path]:
     return {*(folder / "out").glob(".orchestrate-part-*"), *(folder / "temporary").glob("orchestrate-*")}
 
 
+def _clear(out: Path) -> None:
+    """Clears the folder as the next run does, when the process that ends with the killed one has ended."""
+    until = time.monotonic() + _PATIENCE
+    while True:
+        try:
+            with reserved(out):
+                return
+        except InputError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(0.02)
+
+
 def _judge(folder: Path, after: str, counts: Counter[str]) -> None:
     """Looks at the folder as it is; where replacing was broken off by SIGKILL, after the next run's clearing."""
     out = folder / "out"
     if (out / ".orchestrate-ready").exists():
         counts[f"{after}: to be completed by the next run"] += 1
-        with reserved(out):
-            pass
+        _clear(out)
     try:
         manifest = json.loads((out / "manifest.json").read_text())
         speed = manifest["parameters"]["motor"]["speed0"]
