@@ -221,6 +221,9 @@ def test_tables_that_a_block_borrows_count_for_its_fingerprint(tmp_path: Path, m
             (lender / file).write_text(content)
             seen.add(module.fingerprint(block, "native"))
     assert len(seen) == 6
+    own = module.data_packages(block.folder)
+    (lender / "tables" / "__init__.py").write_text('PACKAGES = ("some-package",)\n')
+    assert module.data_packages(block.folder) == [*own, "some-package"]
 
 
 def test_callers_that_ask_at_the_same_time_build_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,3 +19,20 @@ def test_batches_grow_to_their_time_and_shrink_towards_the_end():
     assert sizes[0] == 1
     assert max(sizes) == pytest.approx(batches.TARGET / 0.001, rel=0.01)
     assert sizes[-1] == 1
+
+
+def test_what_is_to_be_checked_comes_first_each_run_once_and_is_left_until_then():
+    cut = batches.Batches(np.arange(2), lambda indices: indices[:, None] / 10, slots=2)
+    for index in (0, 1):
+        batch = cut.next()
+        assert (batch.indices.tolist(), batch.points.tolist(), batch.check) == ([index], [[index / 10]], False)
+    assert cut.over
+    cut.check([1, 0])
+    cut.check([1])
+    cut.again([0])
+    flown = []
+    while not cut.over:
+        batch = cut.next()
+        flown.append((*batch.indices.tolist(), *batch.points[0].tolist(), batch.check))
+    assert flown == [(1, 0.1, True), (0, 0.0, True), (1, 0.1, True), (0, 0.0, False)]
+    assert cut.next() is None

@@ -5,12 +5,15 @@ did.
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from orchestration.campaign import engine, sums
 from orchestration.campaign.case import read_campaign
-from orchestration.campaign.flying import checks
+from orchestration.campaign.flying import checks, flights
+from orchestration.campaign.flying.batches import Flown
 from orchestration.campaign.flying.checks import Checks
 
 from ... import fmus
@@ -85,3 +88,57 @@ def test_a_sound_check_covers_the_flights_of_its_pilot_before_it_and_no_others()
     assert some.last() == []
     some.sound(4)
     assert (some.clear(), some.unchecked) == ([5], [])
+
+
+class _Rows:
+    """A dataset of four runs with one metric."""
+
+    def __init__(self):
+        self.done, self.failed, self.rows = np.zeros(4, bool), np.zeros(4, bool), {}
+
+    def add(self, rows):
+        for row in rows:
+            assert row[0] not in self.rows, "each run has one row"
+            self.rows[row[0]], self.done[row[0]] = row, True
+
+    def row(self, index):
+        return self.rows[index]
+
+    def withdraw(self, indices):
+        for index in indices:
+            del self.rows[index]
+            self.done[index] = False
+
+    def flush(self):
+        pass
+
+
+class _TwoPilots:
+    """Both have their batches before the first check shows that resets leave something behind."""
+
+    slots, anew = 2, False
+
+    def fly(self, batches):
+        sent = [batches.next(), batches.next()]
+        yield Flown(self._rows(sent[0], 0.5), sent[0], "a")
+        check = batches.next()
+        assert check.check
+        yield Flown(self._rows(check, 0.0), check)
+        assert self.anew
+        yield Flown(self._rows(sent[1], 0.5), sent[1], "b")
+        while (batch := batches.next()) is not None:
+            yield Flown(self._rows(batch, 0.0), batch)
+
+    def _rows(self, batch, off):
+        return [[int(index), index + off] for index in batch.indices]
+
+
+def test_what_had_been_sent_before_resets_were_seen_to_fail_is_flown_again_on_fresh_instances(monkeypatch):
+    monkeypatch.setattr(checks, "SHARE", 1.0)
+    monkeypatch.setattr(flights, "foreign", lambda job: True)
+    job = SimpleNamespace(design=SimpleNamespace(seed=1, early=False), columns=[("index", ""), ("final", "")])
+    data, remarks = _Rows(), []
+    flown = flights.Flights(job, data, {}, _TwoPilots, remarks.append)
+    flown.up_to(4, None)
+    assert data.rows == {index: [index, float(index)] for index in range(4)}
+    assert (len(remarks), flown.state) == (1, {"fresh": True, "unchecked": []})

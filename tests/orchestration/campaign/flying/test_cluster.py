@@ -181,3 +181,10 @@ def test_runs_of_a_batch_whose_worker_dies_keep_their_own_points_of_a_hypercube(
     monkeypatch.setattr(crew, "_flown", flown)
     rows = [row for part in crew._alone(Batch(indices, points)) for row in part.rows]
     assert rows == [(4, 0.1, 0.2), (7, 0.3, 0.4), (9, 0.5, 0.6)]
+
+
+def test_a_check_whose_worker_dies_shows_nothing_and_adds_no_row(monkeypatch):
+    crew = cluster.Cluster(None, "", None)
+    monkeypatch.setattr(crew, "_sent", lambda batch: batch)
+    monkeypatch.setattr(crew, "_flown", lambda future, batch: ValueError("it died"))
+    assert list(crew._alone(Batch(np.array([4, 7]), None, check=True))) == []
