@@ -102,6 +102,8 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
     files |= {folder / "parts" / name: text for name, text in parts.items()}
     if there := next((path for path in files if path.exists()), None):
         raise InputError(f"{there} is there already; expected a folder without it")
+    mass = found.number("mass", given["mass"]) if "mass" in given else None
+    notes: list[str] = []
     with _undone(folder, list(files)):
         try:
             with writing(folder):
@@ -110,6 +112,7 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
                     put(path, text)
             written = read(folder / found.flown)
             opened = open_scenario(load(written)).plan.scenario
+            notes = [str(finding) for finding in findings(load(written), mass)]
             sample = opened.step * max(entry.every for entry in opened.blocks.values())
             first = whole(
                 load(
@@ -122,14 +125,14 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
                 remedy = "nothing was written; remedy: --set with a value that the block takes"
                 raise InputError(f"{first.failure}\n{remedy}")
         except InputError as error:
+            tell(notes)  # the reason may be among them
             raise InputError(*(found.told(problem, folder, made_of) for problem in error.problems)) from None
     say(f"{folder}: {found.about}")
     for path in files:
         say(f"  {path}")
-    mass = found.number("mass", given["mass"]) if "mass" in given else None
     if bare := found.bare(given):
         tell([f"numbers without a unit were taken in SI units: {', '.join(bare)}"])
-    tell(str(finding) for finding in findings(load(read(folder / found.flown)), mass))
+    tell(notes)
 
 
 def _sensors(name: str) -> tuple[str, dict[str, str]]:

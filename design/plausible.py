@@ -34,6 +34,8 @@ TURNS = (3.0, 1000.0)
 """s, in which rods turn the body by a radian: 16 for a 1U, 170 for 500 kg."""
 SPIN_UP, HOLDS = (0.5, 2000.0), (0.05, 60.0)
 """s in which a motor fills its wheel; deg/s of the body that a full wheel holds."""
+WEAK = 0.1
+"""Of the strongest rod's dipole: below it a rod counts as none."""
 SHARE = 0.3
 """Of the rods' torque that disturbances may take: across the field is a part of all directions only."""
 LONG, LEVER, NONE = 1.5, 0.25, 1e-8
@@ -263,6 +265,14 @@ def _of_rods(s: Satellite) -> Iterator[Finding]:
             f"rods of {s.p.dipole_max:g} A.m2 turn this body by a radian in {s.turned:.3g} s",
             f"{least:g} to {most:g} s",
             f"dipole_max is too {'small' if s.turned > most else 'large'} for J_B, by {_times(s.turned, least, most)}",
+        )
+    weak = np.flatnonzero(s.p.dipole_limit < WEAK * s.p.dipole_limit.max()) + 1
+    if len(weak):
+        yield Finding(
+            f"rod {', '.join(map(str, weak))} gives at most {s.p.dipole_limit.min():.3g} A.m2, the strongest "
+            f"{s.p.dipole_limit.max():.3g} A.m2",
+            f"at least {WEAK:g} of it",
+            "check rod_limits: one rod gives torque about one axis at a time, two leave one to the field that turns",
         )
     if s.control_period > 0.2 * s.turned:
         yield Finding(

@@ -251,3 +251,14 @@ def test_its_live_page_has_sliders_and_faults_and_its_figures_show_the_start(tmp
     assert len(scenario.live.sliders) == 4
     assert [fault.name for fault in scenario.live.faults][:2] == ["rod 1 dead", "wheel stuck"]
     assert scenario.figures[0].window is not None
+
+
+def test_what_is_not_plausible_is_named_of_a_satellite_that_is_refused_too(tmp_path):
+    """Rods that are a thousand times too strong need a shorter control period than there is."""
+    given = [f"--set={value}" for value in ("inertia={diagonal: [0.042, 0.042, 0.007]}", "dipole_max=300 A.m2")]
+    given += [f"--set={value}" for value in ("wheels=none", "altitude=500 km", "inclination=97.4 deg")]
+    given += [f"--set={value}" for value in ("body_width=10 cm", "body_length=34 cm", "body_axis=z")]
+    result = orchestrate("new", "satellite", tmp_path / "strong", *given)
+    assert result.exit_code == 2
+    assert "dipole_max is too large for J_B" in result.stderr
+    assert not (tmp_path / "strong").exists()

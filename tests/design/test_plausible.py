@@ -39,6 +39,7 @@ PLANTED = [
     ({"wheel_momentum_max": "2 N.m.s"}, "the rods are too weak for the wheel"),
     ({"plant.omega_B0": [2, -3, 2]}, "omega_B0 is 236 deg/s"),
     ({"plant.residual_dipole_B": [0.2, -0.1, 0.3]}, "residual dipole"),
+    ({"rod_limits": [1, 1, 0.02]}, "rod 3 gives at most 0.006 A.m2, the strongest 0.3 A.m2"),
     ({"goal": "0.05 deg"}, "an attitude error of 0.05 deg is expected"),
 ]
 
