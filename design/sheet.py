@@ -15,12 +15,14 @@ import numpy as np
 from orchestration import InputError
 from orchestration.quantities import QuantityError, parse_unit, value_in
 
-from .template import Template, flow
+from .template import Template
 
 MU, EARTH_RADIUS = 3.986004418e14, 6378137.0
 """m3/s2 and m (WGS 84)."""
 FIELD = 4.4e-5
 """T: a mean of the Earth's field at 500 km, by which notes give torques."""
+HELD = 0.9
+"""Of a wheel's limit: within it a hold is expected to keep the momentum, which no wheel brings beyond its limit."""
 ERROR, RESIDUAL, DUTY = 0.05, 0.01, 0.8
 """Assumed where not given: error of the inertia, residual dipole over that of the rods; part in which rods are on."""
 KNOWN = {
@@ -125,9 +127,10 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
     axes = wheel_axes(kind)
     notes["momentum_expected"], notes["wheel_fault"] = "# no wheel, and nothing expected of it", "# no wheel to fail"
     if kind != "none":
-        within = flow(values["wheel_momentum_max"])
+        within = f"{HELD * number['wheel_momentum_max']:.4g} N.m.s"
         notes["momentum_expected"] = (
-            f"- {{name: wheel momentum within its limit, signal: plant.h_w, always: {{within: {within}}}}}"
+            f"- {{name: wheel momentum within {HELD:g} of its limit from 1.5 orbits, signal: plant.h_w, "
+            f"after: 1.5 orbits, always: {{within: {within}}}}}"
         )
         notes["wheel_fault"] = "- {name: wheel stuck, cut: plant.wheel_torque_cmd, at: 1 orbits}"
     if kind == "none":

@@ -10,6 +10,7 @@ import orchestration
 from design import new_satellite, template
 from design.sheet import box, wheel_axes
 from orchestration.live.system import checked
+from orchestration.session.read import read
 from tests.commands import orchestrate
 
 pytestmark = pytest.mark.isolate
@@ -262,3 +263,17 @@ def test_what_is_not_plausible_is_named_of_a_satellite_that_is_refused_too(tmp_p
     assert result.exit_code == 2
     assert "dipole_max is too large for J_B" in result.stderr
     assert not (tmp_path / "strong").exists()
+
+
+def test_a_wheel_that_stays_full_in_the_hold_is_told(tmp_path):
+    """What no wheel brings beyond its limit is no expectation."""
+    given = [f"--set={value}" for value in ("mass=4 kg", "dipole_max=0.3 A.m2", "altitude=500 km", "body_axis=z")]
+    given += [f"--set={value}" for value in ("inclination=97.4 deg", "body_width=10 cm", "body_length=34 cm")]
+    given += ["--set=wheel_torque_max=0.3 mN.m", "--set=wheel_momentum_max=2 mN.m.s"]
+    assert orchestrate("new", "satellite", tmp_path / "own", *given).exit_code == 0
+    source = read(tmp_path / "own" / "tumble.yaml")
+    (expected,) = (entry for entry in source.data["expect"] if entry["signal"] == "plant.h_w")
+    assert (expected["after"], expected["always"]) == ("1.5 orbits", {"within": "0.0018 N.m.s"})
+    full = source.with_start("plant.h_w0", "2 mN.m.s").with_value("duration", "2 s", "test")
+    full = full.with_entry(("expect",), [{**expected, "after": "1 s"}])
+    assert not orchestration.run(orchestration.load(full)).passed
