@@ -16,7 +16,7 @@ from orchestration.session.open import open_scenario
 from orchestration.session.read import load, read
 from plant.so3 import Array
 
-from ..plausible import PLANTS, Satellite, satellite
+from ..plausible import NONE, PLANTS, Satellite, satellite
 
 GOAL = math.radians(5.0)
 """Of the hold, where no expectation states one."""
@@ -40,6 +40,11 @@ class Facts:
     def controller(self) -> str:
         """The kind of the controller, or ""."""
         return next((kind for kind in self.blocks if kind.startswith("controller")), "")
+
+    @property
+    def wheels(self) -> list[int]:
+        """Places of the wheels; one of next to nothing is none."""
+        return [i for i, wheel in enumerate(self.satellite.p.wheel_list) if wheel.momentum_max > NONE]
 
     @property
     def goal(self) -> float:

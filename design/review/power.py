@@ -33,10 +33,10 @@ def power(facts: Facts, options: Options, flown: Mapping[str, Flown]) -> Section
         dipoles = np.clip(one[signals[0]], -p.dipole_limit, p.dipole_limit) * p.rod_gain
         watts = duty * given["rod"] * ((dipoles / p.dipole_max) ** 2).sum(axis=1)
         rows.append(["rods", f"{watts.mean():.3g}", f"{watts.max():.3g}", f"{given['rod']:g} W of each at dipole_max"])
-    if "wheel" in given:
-        torque, speed = (np.reshape(one[name], (len(one.time), -1))[:, : p.wheels] for name in signals[-2:])
+    if "wheel" in given and facts.wheels:
+        torque, speed = (np.reshape(one[name], (len(one.time), -1))[:, facts.wheels] for name in signals[-2:])
         motor = np.abs(torque * speed).sum(axis=1) / given.get("efficiency", 1.0)
-        turning = given["wheel"] * p.wheels
+        turning = given["wheel"] * len(facts.wheels)
         data = f"{given['wheel']:g} W of each, and torque times speed over {given.get('efficiency', 1.0):g}"
         rows.append(["wheels", f"{turning + motor.mean():.3g}", f"{turning + motor.max():.3g}", data])
     note = "In the hold without failure. Braking gives nothing back. Rods: heat, by the square of the dipole."

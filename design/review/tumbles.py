@@ -134,7 +134,7 @@ def section(facts: Facts, options: Options, case: Case, rows: Rows) -> Section:
             ("rms of it, deg", rows.numbers("rms_error")),
             ("largest momentum of a wheel, mN.m.s", 1e3 * rows.numbers("wheel_momentum")),
         )
-        if len(values[~np.isnan(values)])
+        if len(values[~np.isnan(values)]) and (facts.wheels or "wheel" not in name)
     ]
     failed = int(rows.failed.sum())
     bounds, why = least_times(facts, case)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from design.review import compare, content, flights, margins, page, run, tumbles
+from design.review import compare, content, flights, margins, page, power, run, tumbles
 from design.review import facts as of
 from design.review.options import Options, requirements
 from evidence.paper import ROOT
@@ -35,8 +35,8 @@ power: {rod: 0.2 W, wheel: 0.3 W}
 def test_a_review_has_all_sections_and_goes_on_where_it_was_stopped(satellite, tmp_path, monkeypatch):
     monkeypatch.setattr(of.Facts, "period", property(lambda self: 60.0))
     (tmp_path / "asked.yaml").write_text(ASKED, "utf-8")
-    asked, power = requirements(tmp_path / "asked.yaml")
-    options = Options(runs=3, members=1, workers=0, requirements=asked, power=power)
+    asked, watts = requirements(tmp_path / "asked.yaml")
+    options = Options(runs=3, members=1, workers=0, requirements=asked, power=watts)
     said, told = [], []
 
     def once():
@@ -97,6 +97,15 @@ def _least_times(file, folder):
     times, why = tumbles.least_times(found, read_campaign(folder / "tumbles.yaml"))
     assert not why
     return times
+
+
+def test_a_satellite_without_a_wheel_has_no_power_and_no_momentum_of_one(satellite, facts, four_wheels):
+    none = of.facts(satellite.parents[1] / "none" / "tumble.yaml", None)
+    assert [one.wheels for one in (none, facts, of.facts(four_wheels, None))] == [[], [0], [0, 1, 2, 3]]
+    signals = dict.fromkeys(power.commands(none), np.zeros((2, 3)))
+    flown = {"failure-none": flights.Flown(np.array([0.0, 2.0]), signals, "", satellite)}
+    section = power.power(none, Options(power={"rod": 0.2, "wheel": 0.3}), flown)
+    assert [row[0] for row in section.tables[0].rows] == ["rods"]
 
 
 def test_what_is_drawn_on_a_logarithmic_axis_leaves_out_what_is_next_to_nothing():
