@@ -136,6 +136,46 @@ def test_a_time_that_must_pass_begins_anew_after_each_break(flavour, name):
             assert flight.fly(1, **cause) == to
 
 
+def test_a_time_that_had_passed_counts_for_nothing_the_next_time(flavour):
+    """Without a step between that would break it: 3 s off end a mode, 4 s settled end the acquisition."""
+    with flavour("supervisor", parameters("supervisor", **TIMES), inputs("supervisor", **GIVEN), H) as step:
+        flight = Flight(step, inputs("supervisor", **GIVEN))
+        flight.to(NADIR)
+        for _ in range(2):
+            assert (flight.fly(2, **OFF), flight.fly(1, **OFF)) == (NADIR, ACQUIRE)
+            assert (flight.fly(3), flight.fly(1)) == (ACQUIRE, NADIR)
+            flight.to(ACQUIRE, **OFF)
+            flight.fly(3)
+            there = {
+                "command": INERTIAL,
+                "R_goal": flight.y["R_ref"],
+                "R_NB": flight.y["R_ref"],
+                "omega_B": np.zeros(3),
+            }
+            assert (flight.fly(3, **there), flight.fly(1, **there)) == (ACQUIRE, INERTIAL)
+            assert (flight.fly(2, **{**there, **OFF}), flight.fly(2, **OFF), flight.fly(1, **OFF)) == (
+                INERTIAL,
+                SLEW,
+                ACQUIRE,
+            )
+            flight.to(NADIR)
+
+
+def test_the_sun_is_turned_to_the_shortest_way_each_time_that_the_mode_safe_is_left(flavour):
+    """About the axis across that of the body and the Sun: the turn is the angle between them."""
+    p = parameters("supervisor", **TIMES, sun_axis_B=[0.6, 0.0, 0.8])
+    u = replace(inputs("supervisor", **GIVEN), command=SUN)
+    with flavour("supervisor", p, replace(u, command=SAFE), H) as step:
+        for R in (turned(0.4, -1.2, 0.3), turned(-1.0, 0.2, 2.0), turned(0.1, 2.0, -0.7)):
+            for _ in range(7):
+                step(replace(u, command=SAFE, R_NB=R))
+            y = step(replace(u, R_NB=R))
+            assert y["mode"] == ACQUIRE
+            away = np.arccos(R @ p.sun_axis_B @ u.sun_N)
+            assert Rotation.from_matrix(R.T @ y["R_ref"]).magnitude() == pytest.approx(away, abs=1e-9)
+            np.testing.assert_allclose(y["R_ref"] @ p.sun_axis_B, u.sun_N, atol=1e-9)
+
+
 def test_each_mode_is_come_to_and_left_the_second_time_as_the_first(flavour):
     """Position, Sun and light stay: nothing but what is remembered could make a difference."""
     p, u = parameters("supervisor", **TIMES, **QUICK, sun_axis_B=[0.6, 0.0, 0.8]), inputs("supervisor", **GIVEN)
@@ -260,11 +300,13 @@ def test_the_rate_of_the_field_turns_with_the_body_each_time(flavour):
 
 
 def test_the_mode_safe_by_command_points_as_the_one_without_an_attitude(flavour):
-    """The command is given at each step; what the field's filter and the calm have come to goes on through it."""
+    """The command is given at each step; what the field's filter and the calm have come to goes on through it, and so
+    does the pointing where the rate grows to what would not let it begin."""
     p, seen = parameters("supervisor", **CALM), []
     for command in (0, SAFE):
         with flavour("supervisor", p, in_field(0.0, np.eye(3)), H) as step:
-            flown = [step(replace(in_field(H * t, np.eye(3)), command=command)) for t in range(1, 300)]
+            spins = [(0.0, 0.0, 0.01 if t > 250 else 0.0) for t in range(300)]
+            flown = [step(replace(in_field(H * t, np.eye(3), spins[t]), command=command)) for t in range(1, 300)]
             seen.append(np.array([y["Omega_ref"] for y in flown]))
     np.testing.assert_allclose(seen[1], seen[0], atol=1e-12)
     assert np.linalg.norm(seen[0][-1]) > 1e-3
