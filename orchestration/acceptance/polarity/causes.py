@@ -28,7 +28,7 @@ LATEST = 40
 _SINGLE = 1e-5
 _SPREAD = {"noise": 0.2, "dead": 0.2}
 """By how much estimates of one size differ from element to element, where that is more than 0.02."""
-_GAINS = 0.1, 10.0
+GAINS = 0.1, 10.0
 """Beyond them, and below zero, a factor is a wrong unit or sign: a wiring."""
 _NOISE_SHARE, _CORRELATION = 1.0, 4.0
 """Noise is at most this share of the signal; correlations stay within so many times those of white noise."""
@@ -154,10 +154,14 @@ def _held(s: Series) -> Iterator[list[_Found]]:
 
 
 def _stuck(s: Series) -> Iterator[list[_Found]]:
-    """Constant from an instant on, to the end."""
+    """Constant from an instant on, to the end; from the start at zero only, and not where ours is beyond it throughout,
+    since one at its limit does not move either."""
     moving = np.flatnonzero(s.theirs != s.theirs[-1])
     first = int(moving[-1]) + 1 if len(moving) else 0
-    if len(s.theirs) - first < 10 or np.ptp(s.ours[first:]) == 0.0:
+    if len(s.theirs) - first < 10 or np.ptp(s.ours[first:]) == 0.0 or (not first and s.theirs[-1] != 0.0):
+        return
+    at_most = float(np.abs(s.theirs).max())
+    if 0.0 < at_most <= float((s.ours[first:] * np.sign(s.theirs[-1])).min()) and abs(s.theirs[-1]) == at_most:
         return
     stuck = s.ours.copy()
     stuck[first:] = s.theirs[-1]
@@ -230,14 +234,14 @@ def _scaled(s: Series) -> Iterator[list[_Found]]:
     square = float(z @ z)
     if square:
         gain = float(z @ y) / square
-    if square and _GAINS[0] < gain < _GAINS[1]:
+    if square and GAINS[0] < gain < GAINS[1]:
         yield [("gain", gain, f"times {gain:.5g}", y - gain * z)]
     bias = ("bias", offset, f"plus {with_unit(float(f'{offset:.5g}'), _name(s))}", y - z - offset)
     yield [bias]
     spread = float(((z - z.mean()) ** 2).sum())
     if n > 3 and spread > 0.0:
         gain = float((z - z.mean()) @ (y - y.mean())) / spread
-        if not _GAINS[0] < gain < _GAINS[1]:
+        if not GAINS[0] < gain < GAINS[1]:
             return
         offset = float(y.mean() - gain * z.mean())
         rest = y - gain * z - offset

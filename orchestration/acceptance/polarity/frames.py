@@ -19,7 +19,7 @@ from ... import rotation
 from ...fmu.model import Floats, Variable
 from ...quantities import Unit, suffix
 from .bench import Bench, clock
-from .causes import Cause, along
+from .causes import GAINS, Cause, along
 from .ports import Port
 from .wrongs import frames_of
 
@@ -262,17 +262,18 @@ def _played(ours: Bench, inputs: Inputs, read: Inputs) -> Inputs | None:
 def _left(ours: Bench, inputs: Inputs, read: Inputs, given: Inputs, weigh: str = "all") -> Floats:
     """Returns what differs from theirs, in shares of each output, where ours reads some inputs otherwise.
 
-    `weigh` is "all"; "freed" of a bias of each element, and of the instants at which theirs is at its largest, as where
-    it saturates; or "evenly" where each instant counts as much, since some, as near a singular field, differ by far.
+    `weigh` is "all"; "freed" of a gain and a bias of each element, and of the instants at which theirs is at its
+    largest, as where it saturates; or "evenly" where each instant counts as much, since some, as near a singular
+    field, differ by far.
     """
     played = _played(ours, inputs, read)
     if played is None:
         return np.full(sum(v.size for v in given.values()), 1.0)
     if weigh == "evenly":
         return np.concatenate([_evened(played[n], v).ravel() for n, v in given.items()])
-    parts = [(played[n] - v) / (float(np.linalg.norm(v)) or 1.0) for n, v in given.items()]
     if weigh == "freed":
-        parts = [_freed(part, v) for part, v in zip(parts, given.values(), strict=True)]
+        return np.concatenate([_freed(played[n], v).ravel() for n, v in given.items()]) / len(given) ** 0.5
+    parts = [(played[n] - v) / (float(np.linalg.norm(v)) or 1.0) for n, v in given.items()]
     return np.concatenate([part.ravel() for part in parts]) / len(given) ** 0.5
 
 
@@ -281,10 +282,14 @@ def _evened(ours: Floats, theirs: Floats) -> Floats:
     return (ours - theirs) / (sizes + 1e-3 * float(np.linalg.norm(theirs)) / len(theirs) ** 0.5 + 1e-300)
 
 
-def _freed(part: Floats, theirs: Floats) -> Floats:
+def _freed(ours: Floats, theirs: Floats) -> Floats:
+    """Returns what of ours no gain and no bias of an element of theirs gives, as a share of ours."""
     within = np.abs(theirs) < (1.0 - 1e-9) * np.abs(theirs).max(axis=0)
-    mean = (part * within).sum(axis=0) / np.maximum(within.sum(axis=0), 1)
-    return np.where(within, part - mean, 0.0)
+    count = np.maximum(within.sum(axis=0), 1)
+    one, other = (np.where(within, x - (x * within).sum(axis=0) / count, 0.0) for x in (ours, theirs))
+    square = (other * other).sum(axis=0)
+    gain = np.clip((one * other).sum(axis=0) / np.where(square > 0.0, square, 1.0), *GAINS)
+    return np.asarray((one - gain * other) / (float(np.linalg.norm(one)) or 1.0))
 
 
 def _fitted(

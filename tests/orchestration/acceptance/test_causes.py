@@ -66,6 +66,16 @@ def test_a_cause_is_named_with_its_place_and_size_and_leaves_nothing(name):
     assert left < 1e-6
 
 
+@pytest.mark.parametrize("first", [0, 1100], ids=["throughout", "at the end"])
+def test_an_output_that_stays_at_its_limit_is_not_called_stuck(first):
+    ours = OURS.copy()
+    ours[first:, 1] = 0.5 + 0.05 * np.sin(TIME[first:])
+    causes, _ = causes_of("torque", ours, np.clip(ours, -0.4, 0.4), TIME, parse_unit("N.m"))
+    assert {(c.kind, c.where, c.size) for c in causes} == {("limit", "torque", 0.4)}
+    wrong, _ = causes_of("torque", OURS, np.where([False, True, False], 0.4, OURS), TIME, parse_unit("N.m"))
+    assert not wrong
+
+
 def test_axes_that_are_turned_a_little_are_told_by_angle():
     angle = np.radians(2.0)
     turn = np.array([[np.cos(angle), -np.sin(angle), 0.0], [np.sin(angle), np.cos(angle), 0.0], [0.0, 0.0, 1.0]])
