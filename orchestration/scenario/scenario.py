@@ -46,7 +46,8 @@ class BlockEntry(Model):
     block on that orbit."""
     python: str | None = Field(None, strict=True, min_length=1)
     """In place of `fmu`: the path of a Python file, relative to the scenario, with a function
-    `step(inputs, parameters, t, h)` or one class with it. Its ports are those of `interface`."""
+    `step(inputs, parameters, t, h)` or one class with it. Its ports are those of `interface`;
+    over an FMU of a file that is extended it keeps that one's, with its start values."""
     flavour: Flavour | None = None
     """Which build of one of the project's own blocks; default: the scenario's."""
     isolation: Isolation | None = None
