@@ -176,6 +176,23 @@ def test_the_sun_is_turned_to_the_shortest_way_each_time_that_the_mode_safe_is_l
             np.testing.assert_allclose(y["R_ref"] @ p.sun_axis_B, u.sun_N, atol=1e-9)
 
 
+def test_a_slew_that_is_left_for_the_sun_ends_the_shortest_way_from_where_it_was(flavour):
+    """A twin that goes on shows where."""
+    p = parameters("supervisor", **TIMES, **QUICK, sun_axis_B=[0.6, 0.0, 0.8])
+    u, to = inputs("supervisor", **GIVEN), {"command": INERTIAL, "R_goal": turned(-1.2, 0.7, 2.0)}
+    for steps in (4, 12):
+        with flavour("supervisor", p, u, H) as step, flavour("supervisor", p, u, H) as other:
+            flight, twin = Flight(step, u), Flight(other, u)
+            for one in (flight, twin):
+                one.to(NADIR)
+                assert one.fly(steps, **to) == SLEW
+            twin.fly(**to)
+            flight.to(SUN, command=SUN)
+            there = twin.y["R_ref"]
+            away = np.arccos(there @ p.sun_axis_B @ u.sun_N)
+            assert Rotation.from_matrix(there.T @ flight.y["R_ref"]).magnitude() == pytest.approx(away, abs=1e-9)
+
+
 def test_each_mode_is_come_to_and_left_the_second_time_as_the_first(flavour):
     """Position, Sun and light stay: nothing but what is remembered could make a difference."""
     p, u = parameters("supervisor", **TIMES, **QUICK, sun_axis_B=[0.6, 0.0, 0.8]), inputs("supervisor", **GIVEN)
