@@ -58,6 +58,28 @@ def test_only_rejections_in_a_row_end_the_filter_and_it_starts_again_as_often_as
 
 
 @pytest.mark.parametrize("flavour", FLAVOURS)
+def test_only_wrong_fields_in_a_row_clear_the_bank_each_time(flavour):
+    """30 of them and one right one in turn leave it; 50 in a row clear it."""
+    p = parameters("estimator", bank=True, epoch=LIT, field_noise=1e-8, rate_bias_sigma=1e-6, rate_scale_sigma=0.0)
+    good = seen_by(R, p)
+    B = good.b_B_measured
+    wrong = replace(good, b_B_measured=np.array((B[1], -B[0], B[2])), sun_B_measured=DARK)
+    with flavour("estimator", p, good, H) as step:
+        for _ in range(2):
+            for _ in range(60):
+                y = step(good)
+            assert y["attitude_valid"]
+            for _ in range(3):
+                for _ in range(30):
+                    assert step(wrong)["attitude_valid"]
+                y = step(good)
+            assert y["attitude_valid"]
+            for _ in range(50):
+                y = step(wrong)
+            assert not y["attitude_valid"]
+
+
+@pytest.mark.parametrize("flavour", FLAVOURS)
 def test_a_sun_sensor_sees_nothing_in_each_shadow_and_the_sun_after_it(flavour):
     for kind in ("fine", "coarse"):
         p = parameters("plant_sensors", sun_sensor=kind, fine_sun_axis_B=[0.0, 0.0, 1.0], fine_sun_half_angle=1.0)
