@@ -122,7 +122,7 @@ SUBJECTS = (
         quick=True,
     ),
     Subject("frame", None, 4, sources=(NATIVE / "frame.c",), headers=(NATIVE,), options=_FRAME),
-    Subject("allocator", "any", 6, quick=True),
+    _whole("allocator"),
     Subject("allocator", "limits", quick=True),
     _whole("allocator_bounded", "are_rods", "are_wheels", "are_inputs"),
     _whole("allocator_bounded_wheels", "are_rods", "are_wheels", "are_inputs"),
