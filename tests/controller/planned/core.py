@@ -190,6 +190,13 @@ def plan_cost(m: Satellite, a: Ahead, x: Motion, u: Array, t: float = 0.0) -> fl
     return float(library().probe_plan_cost(m.c(), a.c(), x.c(), c_double(t), doubles(u)))
 
 
+def controls_at(t: float, before: Array) -> Array:
+    """Controls (4,) at t of the plan of `probe_controls_at`, where those `before` were given last."""
+    u = doubles(before)
+    library().probe_controls_at(c_double(t), u)
+    return np.array(u)
+
+
 def followed(m: Satellite, expected: Motion, x: Motion) -> tuple[float, float]:
     """Costs from x of the last plan that `plan` made: of its controls alone, and following its motion from
     `expected`."""

@@ -147,6 +147,21 @@ PROBE int probe_gains(const FlatModel *m, const FlatAhead *a, const FlatMotion *
     return n;
 }
 
+/* The controls of a plan of three stages of 1 s from t = 10 s on, whose first controls are 0.1, 0.2 and 0.3; u holds
+ * those before. */
+PROBE void probe_controls_at(double t, double u[CONTROLS])
+{
+    Plan *plan = &plans[0];
+    memset(plan, 0, sizeof *plan);
+    plan->start = 10.0;
+    plan->stages = 3;
+    for (int k = 0; k < 3; ++k) {
+        plan->h[k] = 1.0;
+        plan->u[k][0] = 0.1 * (k + 1);
+    }
+    controller_planned_plan_at(plan, t, u);
+}
+
 /* The cost of given controls on the stages of a plan with none. */
 PROBE double probe_plan_cost(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, double t, const double *u)
 {

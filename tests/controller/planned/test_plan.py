@@ -201,6 +201,11 @@ def test_no_motion_to_make_costs_nothing_and_asks_for_nothing():
     assert np.abs(plan.u).max() < 1e-3
 
 
+@pytest.mark.parametrize(("t", "first"), [(10.0, 0.1), (10.9, 0.1), (11.0, 0.2), (12.5, 0.3), (13.0, 0.0), (99.0, 0.0)])
+def test_a_plan_gives_the_controls_of_its_stage_and_none_after_its_end(t, first):
+    assert core.controls_at(t, np.full(4, 0.7)) == pytest.approx([first, 0.0, 0.0, 0.0], abs=1e-15)
+
+
 def test_the_field_ahead_keeps_what_was_measured_for_a_while():
     bias = np.array([1e-6, 2e-6, -1e-6])
     with_bias = core.Ahead(R0, V0, bias_N=bias)
