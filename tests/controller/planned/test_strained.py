@@ -207,8 +207,8 @@ def test_what_was_lost_with_a_plan_of_a_quarter_of_an_orbit_is_held_with_one_of_
 
 @pytest.mark.thorough
 def test_a_rod_that_is_stuck_on_turns_the_satellite_little_further_than_any_use_of_the_others_would(tmp_path):
-    """20 deg in each direction at least, by a linear programme; 180 deg and 2.8 deg/s where a motion 11 deg off was no
-    guess for the next plan."""
+    """20 deg, by a linear programme to first order; 180 deg and 2.8 deg/s where a motion 11 deg off was no guess for
+    the next plan."""
     row = next(row for row in ROWS if row.name == "estimated: rod 1 stuck on at 20%, in the hold")
     metrics = replay(row.case(2), 1, tmp_path).metrics
     assert metrics["largest"] < 25.0
