@@ -7,8 +7,8 @@ With theta, the small turn from LVLH, the rate w relative to it, body axes along
 to first order in theta, where the dipole m of the stuck rod turns with the body. The dipoles m_j, the wheel's torque
 and momentum l are within their limits; attitude, rate and l at the beginning are free, and all that comes is known.
 The least angle, of which the parts along 13 directions are no larger, is then a linear programme; a controller has no
-such foresight. It is no proof: the products of dipoles m_j and theta, of second order, are left out. Gravity gradient is left out: 3 n^2 J theta is a hundredth of m x B. Angles beyond 30
-deg say only that they are large.
+such foresight. It is no proof: the products of dipoles m_j and theta, of second order, are left out. So is the gravity
+gradient: 3 n^2 J theta is a hundredth of m x B. Angles beyond 30 deg say only that they are large.
 Tests: tests/evidence/health/test_stuck_on.py.
 """
 
