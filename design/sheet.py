@@ -5,6 +5,7 @@ Tests: tests/design/test_new_satellite.py.
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from collections.abc import Mapping
@@ -41,8 +42,10 @@ def wheel_axes(text: str) -> list[list[float]] | None:
     """Returns the unit axes of a preset's wheels; None of one wheel and of none, whose axis is a value.
 
     "three axes" are x, y and z; "pyramid 35 deg" are four wheels about z, that angle from the plane of x and y, between
-    the body's axes. Raises InputError.
+    the body's axes; "[[1, 0, 0], ...]" are the axes of three or four, of any length. Raises InputError.
     """
+    if text.startswith("["):
+        return _unit_axes(text)
     if text in ("none", "one"):
         return None
     if text == "three axes":
@@ -57,7 +60,18 @@ def wheel_axes(text: str) -> list[list[float]] | None:
         turns = math.pi / 4 + math.pi / 2 * np.arange(SET)
         flat, up = math.cos(angle), math.sin(angle)
         return [[flat * math.cos(turn), flat * math.sin(turn), up] for turn in turns.tolist()]
-    raise InputError(f"--set wheels: expected none, one, three axes or pyramid 35 deg, found {text!r}")
+    raise InputError(f"--set wheels: expected none, one, three axes, pyramid 35 deg or a list of axes, found {text!r}")
+
+
+def _unit_axes(text: str) -> list[list[float]]:
+    try:
+        axes = np.array(json.loads(text), np.float64)
+    except (ValueError, TypeError):
+        axes = np.zeros((0, 0))
+    fits = axes.ndim == 2 and axes.shape[1] == 3 and 3 <= len(axes) <= SET and bool(np.isfinite(axes).all())
+    if not fits or np.linalg.matrix_rank(axes) < 3 or not np.linalg.norm(axes, axis=1).all():
+        raise InputError(f"--set wheels: expected three or four axes of three numbers that span space, found {text}")
+    return (axes / np.linalg.norm(axes, axis=1, keepdims=True)).tolist()
 
 
 def box(mass: float, width: float, length: float, axis: str) -> list[float]:

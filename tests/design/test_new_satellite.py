@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 import orchestration
 from design import new_satellite, template
@@ -141,7 +142,9 @@ def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, m
         ({"orbit_radius": "-5 km"}, "--set orbit_radius: expected 6528137 m to 8348137 m, found -5 km (-5000 m)"),
         ({"step": "30 ms"}, "--set step: record.interval: expected a multiple of the base step, 0.03 s"),
         ({"duration": "0.5 orbits"}, "--set duration: expect[1].after: 8515.212 s lies after the end of the run"),
-        ({"wheels": "two"}, "--set wheels: expected none, one, three axes or pyramid 35 deg, found 'two'"),
+        ({"wheels": "two"}, "--set wheels: expected none, one, three axes, pyramid 35 deg or a list of axes"),
+        ({"wheels": "[[1, 0, 0], [0, 1, 0], [1, 1, 0]]"}, "--set wheels: expected three or four axes of three numbers"),
+        ({"wheels": "[[1, 0, 0], [0, 1, 0]]"}, "--set wheels: expected three or four axes of three numbers that span"),
         ({"wheels": "pyramid 95 deg"}, "--set wheels: expected an angle of 0 to 90 deg, found pyramid 95 deg"),
         ({"sensors": "x.yaml"}, "--set sensors: expected cubesat, star tracker, perfect or the path of a file, found"),
         (
@@ -186,7 +189,13 @@ def test_values_stand_as_they_were_given_and_notes_say_what_follows(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("wheels", "sensors"), [("none", "perfect"), ("three axes", "cubesat"), ("pyramid 35 deg", "star tracker")]
+    ("wheels", "sensors"),
+    [
+        ("none", "perfect"),
+        ("three axes", "cubesat"),
+        ("pyramid 35 deg", "star tracker"),
+        ("[[2, 0, 0], [0, 1, 0], [0, 0.6, 0.8]]", "perfect"),
+    ],
 )
 def test_sets_of_wheels_and_sensors_fly_their_first_sample(tmp_path, wheels, sensors):
     """The command flies it itself, and writes nothing where a block refuses it."""
@@ -197,6 +206,12 @@ def test_sets_of_wheels_and_sensors_fly_their_first_sample(tmp_path, wheels, sen
     assert ("PERFECT" in scenario.description) == (sensors == "perfect")
     assert scenario.blocks["plant"].fmu == ("plant" if wheels == "none" else "plant_wheels")
     assert any(entry.signal == "plant.h_w" for entry in scenario.expect) == (wheels != "none")
+    if wheels.startswith("["):
+        files = [yaml.safe_load((tmp_path / "cube" / f"{n}.yaml").read_text("utf-8")) for n in ("tumble", "satellite")]
+        assert files[0]["shared"]["wheels"] == 3
+        np.testing.assert_allclose(
+            files[1]["shared"]["wheel_axis"][:3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.6, 0.8]]
+        )
 
 
 def test_the_axes_of_a_pyramid_have_the_angle_and_give_equal_torque_about_the_edges():
