@@ -85,14 +85,17 @@ def test_a_damaged_review_is_told(tmp_path, path, value):
 
 def test_two_runs_are_compared_by_start_values_and_expectations(satellite, tmp_path):
     folders = []
+    soon = {"name": "wheel within 1 N m s", "signal": "plant.h_w", "always": {"within": "1 N.m.s"}}
+    flown = read(satellite).with_entry(("expect",), [soon])
     for dipole in ("0.3 A.m2", "0.2 A.m2"):
         folders.append(tmp_path / dipole[:3])
-        run(read(satellite), {"dipole_max": dipole}, duration="4 s", out=folders[-1])
+        run(flown, {"dipole_max": dipole}, duration="4 s", out=folders[-1])
     strong, weak = map(compare.of_folder, folders)
     found = compare.compared(strong, weak, ("strong", "weak"))
     starts = {row[0]: row[1] for row in found.sections[0].tables[0].rows}
     assert starts["plant.dipole_max"] == f"0.3{APART}0.2"
     assert APART not in starts["plant.J_B"]
+    assert [row[:2] for row in found.sections[1].tables[0].rows] == [[soon["name"], "met"]]
     assert found.sections[1].figures
     with pytest.raises(InputError, match="expected the folder of a review or of a run"):
         compare.of_folder(tmp_path)
