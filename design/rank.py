@@ -21,7 +21,7 @@ from orchestration.cli.help import examples
 from orchestration.cli.options import Between
 from orchestration.cli.status import BLOCK_FAILED, EXPECTATION_FAILED
 from orchestration.errors import BlockError, writing
-from orchestration.results.settling import settling
+from orchestration.results.settling import Settling, settling
 from orchestration.results.whole import putting
 from orchestration.scenario.source import Source
 from orchestration.session.read import read
@@ -33,6 +33,8 @@ LAWS = Path(__file__).parent / "laws"
 COMPARED = ("bdot", "pd", "unloading", "lqr", "paper")
 ERROR, WHEELS = "judge.attitude_error", "plant.h_w"
 OWN = "the scenario's own"
+LASTING = 1.0 / 6.0
+"""Part of a flight, at its end, that has to stay below the error: half an orbit of three."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,13 @@ def ranked(laws: Mapping[str, Source], starts: Sequence[Mapping[str, Any]], belo
     return sorted(rows, key=lambda row: (-row.settled, row.median, row.rms))
 
 
+def for_good(time: np.ndarray, error: np.ndarray, below: float) -> Settling:
+    """How an error (n,) settles; one that was at or above `below` in the last sixth of the flight does not."""
+    one = settling(time, error, below)
+    late = one.time is not None and one.time > (1.0 - LASTING) * time[-1]
+    return Settling(below, None, math.nan, math.nan) if late else one
+
+
 def _row(name: str, source: Source, starts: Sequence[Mapping[str, Any]], below: float) -> Row:
     found, momenta, failed = [], [0.0], 0
     for values in starts:
@@ -104,7 +113,7 @@ def _row(name: str, source: Source, starts: Sequence[Mapping[str, Any]], below: 
             failed += 1
             say(f"{name}: {result.failure}", error=True, fg="yellow")
             continue
-        found.append(settling(result.time, np.asarray(result[ERROR]), below))
+        found.append(for_good(result.time, np.asarray(result[ERROR]), below))
         momenta.append(float(np.abs(result[WHEELS]).max()))
     settled = [one for one in found if one.time is not None]
     times = sorted([one.time if one.time is not None else math.inf for one in found] + [math.inf] * failed)
@@ -161,7 +170,7 @@ def compared(source: Source, place: str) -> dict[str, Source]:
     default=15.0,
     show_default=True,
     type=Between(0.0, 181.0, min_open=True),
-    help="Error below which a flight is settled for good, deg.",
+    help="Error below which a flight is settled for good, deg: to its end, and for its last sixth at least.",
 )
 @click.option("--duration", metavar="T", help="Of each flight, instead of the scenario's.")
 @click.option("--seed", default=1, show_default=True, type=click.IntRange(0), help="Of the tumbles.")
@@ -213,10 +222,10 @@ def command(
             (
                 r.law,
                 f"{r.settled} of {r.runs}",
-                _s(r.median),
-                _s(r.worst),
-                _d(r.rms),
-                _d(r.largest),
+                _shown(r.median, ".0f"),
+                _shown(r.worst, ".0f"),
+                _shown(r.rms, ".3g"),
+                _shown(r.largest, ".3g"),
                 f"{r.momentum:.3g}",
             )
             for r in rows
@@ -236,9 +245,5 @@ def command(
         ctx.exit(EXPECTATION_FAILED)
 
 
-def _s(value: float) -> str:
-    return f"{value:.0f}" if math.isfinite(value) else "–"
-
-
-def _d(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else "–"
+def _shown(value: float, form: str) -> str:
+    return f"{value:{form}}" if math.isfinite(value) else "–"

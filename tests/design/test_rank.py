@@ -91,6 +91,15 @@ def test_tumbles_are_rotations_and_rates_of_one_size_and_the_same_for_a_seed():
     assert rank.tumbles(4, 0.07, 4) != drawn
 
 
+def test_an_error_that_was_large_in_the_last_sixth_has_not_settled():
+    time = np.arange(0.0, 600.0)
+    for last, settled in ((300, 301.0), (498, 499.0), (500, None)):
+        error = np.where(time == last, 1.0, 0.1)
+        found = rank.for_good(time, error, 0.5)
+        assert (found.time, math.isnan(found.rms)) == (settled, settled is None)
+    assert rank.for_good(time, error + 1.0, 0.5).time is None
+
+
 def test_the_command_flies_all_and_writes_the_table(tmp_path):
     law = tmp_path / "still.py"
     law.write_text("def step(i, p, t, h):\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
@@ -140,7 +149,7 @@ def test_laws_that_give_a_torque_fly_a_set_of_wheels_beside_one_that_commands_th
     law = tmp_path / "rest.py"
     law.write_text("def step(i, p, t, h):\n    return {'dipole_cmd': [0.0] * 3, 'wheel_torque_cmd': [0.0] * 4}\n")
     table = tmp_path / "ranked.csv"
-    arguments = ("--runs", 1, "--duration", "200 s", "--below", 30, "--rate", 0.5, "--out", table)
+    arguments = ("--runs", 1, "--duration", "300 s", "--below", 30, "--rate", 0.5, "--out", table)
     result = orchestrate("rank", law, "--scenario", "scenarios/flight_pyramid.yaml", *arguments)
     assert result.exit_code == 0, result.stderr
     rows = {row["law"]: row for row in csv.DictReader(table.open())}
