@@ -16,6 +16,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from fmus import kit
+from fmus.block import natives
 from fmus.interface import BLOCKS, load, parse
 from fmus.native import generated_sources
 from fmus.native.generate import camel_case
@@ -79,8 +80,7 @@ def test_the_vector_tells_an_empty_block_from_a_right_one(c_kit):
     empty = make(folder, "vector")
     assert empty.returncode != 0
     assert "outputs differ from what is expected" in empty.stdout
-    source = folder_of(block) / "native"
-    for path in source.rglob("*.[ch]"):
+    for path in (path for source in natives(folder_of(block)) for path in source.rglob("*.[ch]")):
         flat = re.sub(r'#include "[\w./]*/', '#include "', path.read_text("utf-8"))  # a kit has no folders
         (folder / path.name).write_text(flat, "utf-8")
     for name, text in generated_sources(load(block), folder_of(block)).items():
