@@ -111,8 +111,9 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
                     path.parent.mkdir(parents=True, exist_ok=True)
                     put(path, text)
             written = read(folder / found.flown)
-            opened = open_scenario(load(written)).plan.scenario
-            notes = [str(finding) for finding in findings(load(written), mass)]
+            loaded = load(written)
+            opened = open_scenario(loaded).plan.scenario
+            notes = [str(finding) for finding in findings(loaded, mass)]
             sample = opened.step * max(entry.every for entry in opened.blocks.values())
             first = whole(
                 load(

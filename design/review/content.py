@@ -13,7 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from orchestration import InputError
 from orchestration.errors import writing
-from orchestration.results.whole import parsed, put
+from orchestration.results.whole import content, put
 
 REVIEW = "review.json"
 APART = " ‖ "
@@ -88,7 +88,7 @@ def save_table(table: Table, path: Path) -> None:
 def load(folder: Path) -> Review:
     """Returns the review of a folder. Raises InputError."""
     try:
-        found = TypeAdapter(Review).validate_json(json.dumps(parsed(folder / REVIEW)), strict=True)
+        found = TypeAdapter(Review).validate_json(content(folder / REVIEW), strict=True)
         for section in found.sections:
             _fits(section)
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:

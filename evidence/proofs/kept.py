@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 
-from fmus.block import Block
 from fmus.native.generate import ports_header
 
 from ..paper import ROOT
@@ -36,11 +35,10 @@ def result_of(subject: Subject) -> Result:
 def _digest(subject: Subject) -> str:
     how = f"{subject.span} {subject.definitions()} {subject.words()} {FLAGS}"
     digest = hashlib.sha256(how.encode())
-    if read := subject.ports or (subject.name if subject.span else ""):
-        interface = Block.named(read).interface
-        digest.update("".join(ports_header(interface).values()).encode())
-    if subject.span:
-        digest.update(harness(Block.named(subject.name).interface, subject.span).encode())
+    if (block := subject.block) is not None:
+        digest.update("".join(ports_header(block.interface).values()).encode())
+        if subject.span:
+            digest.update(harness(block.interface, subject.span).encode())
     own = [HERE / "prelude.h", *([] if subject.span else [HERE / f"{subject.name}.c"])]
     for path in [*_sources(subject), *own]:
         digest.update(path.read_bytes())

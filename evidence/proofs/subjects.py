@@ -47,10 +47,15 @@ class Subject:
     def title(self) -> str:
         return self.name if self.span is None else f"{self.name}, {self.span}"
 
+    @property
+    def block(self) -> Block | None:
+        """The block whose generated headers it reads, if any."""
+        name = self.ports or (self.name if self.span else "")
+        return Block.named(name) if name else None
+
     def folders(self) -> list[Path]:
         """Where its C stands."""
-        read = self.ports or (self.name if self.span else "")
-        return [Block.named(read).folder / "native"] if read else [path.parent for path in self.sources]
+        return [self.block.folder / "native"] if self.block else [path.parent for path in self.sources]
 
     def prove(self, folder: Path, root: Path = PACKAGES) -> Result:
         """Runs Eva in `folder`; `root`: a copy of the packages, with changes. Raises InputError."""
@@ -58,8 +63,7 @@ class Subject:
         program, sources, headers = folder / f"{self.name}.c", list(self.sources), [*self.headers, COMMON]
         if self.span is None:
             program.write_bytes((HERE / program.name).read_bytes())
-        if read := self.ports or (self.name if self.span else ""):
-            block = Block.named(read)
+        if (block := self.block) is not None:
             headers.insert(0, block.folder / "native")
             for name, text in generated_sources(block.interface, block.folder).items():
                 (folder / name).write_text(text, "utf-8")

@@ -86,9 +86,8 @@ def slew(which: tuple[str, int, int]) -> Slew:
     duration = SAMPLE * round((2.0 * least + 60.0) / SAMPLE)
     record = {"interval": SAMPLE, "signals": ["judge.attitude_error"]}
     result = run({**change(data, starts), "duration": duration, "record": record})
-    outside = np.flatnonzero(result["judge.attitude_error"] >= SETTLED)
-    after = int(outside[-1]) + 1 if len(outside) else 0
-    return Slew(satellite, degrees, number, least, result.time[after] if after < len(result.time) else math.inf)
+    settled = result.settling("judge.attitude_error", SETTLED).time
+    return Slew(satellite, degrees, number, least, math.inf if settled is None else settled)
 
 
 def make(cases: int, jobs: int) -> Iterator[str]:
