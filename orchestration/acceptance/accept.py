@@ -25,6 +25,7 @@ from . import verdict
 from .check import check
 from .compare import Comparison, compare
 from .facts import facts
+from .itself.block import judge
 from .polarity.mend import as_yaml
 from .robustness import Trial, tried
 from .suggest import suggest
@@ -50,6 +51,8 @@ class Acceptance:
     proposed: str = ""
     """The mapping that was proposed, as YAML."""
     comparison: Comparison | None = None
+    alone: list[Trial] = field(default_factory=list)
+    """What it keeps by itself, whatever ours answers."""
     trials: list[Trial] = field(default_factory=list)
     failure: BlockError | None = None
     license: list[str] = field(default_factory=list)
@@ -101,6 +104,7 @@ def accept(path: Path, as_: str, map_: Path | None, source: Source, block: str) 
         made.failure = error
         return made
     made.failure = made.comparison.failure
+    made.alone = judge(source, theirs, made.comparison)
     made.trials = tried(theirs, block, _inputs(made.comparison))
     return made
 
@@ -163,6 +167,7 @@ def _requirements(made: Acceptance) -> Iterator[Trial]:
             status,
             "it lacks an output that is read" if b is None else f"{b.text}, expected {a.expected}",
         )
+    yield from made.alone
     yield from made.trials
 
 

@@ -69,6 +69,8 @@ class Vendor:
     """Name, unit, value and description of what only theirs has."""
     changed: dict[tuple[str, int], float] = field(default_factory=dict)
     """Elements of our parameters that it has with another value: the factor."""
+    direct: bool = True
+    """Whether outputs are declared to depend on the inputs of their instant."""
     effects: list[tuple[str, str, int, float]] = field(default_factory=list)
     """Kind, output of ours, element of theirs, value."""
 
@@ -183,7 +185,7 @@ def _description(vendor: Vendor, inputs: Sequence[tuple[str, Port]], outputs: Se
         _variable(name, OUTPUTS + i, "output", port.unit, port.description, None)
         for i, (name, port) in enumerate(outputs)
     ]
-    every = " ".join(str(i + 1) for i in range(len(inputs)))
+    every = " ".join(str(i + 1) for i in range(len(inputs) if vendor.direct else 0))
     unknowns = "".join(f'<Unknown index="{first + i}" dependencies="{every}"/>' for i in range(len(outputs)))
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="flight_sw" guid="vendor" variableNamingConvention="structured">

@@ -107,6 +107,25 @@ class Bench:
         second = self._stepped_on(table, half)
         return self._by_name(first), self._by_name(second)
 
+    def begun(self, inputs: Mapping[str, Floats], stop: float) -> dict[str, Floats]:
+        """Starts a play of which each input (elements,) follows from the outputs before; returns the first outputs.
+
+        Raises BlockError.
+        """
+        self._cleared(inputs)
+        table = self._table({name: np.atleast_2d(values) for name, values in inputs.items()})
+        self._count = 0
+        return self._row(self._begun(table, stop=stop)[0])
+
+    def advanced(self, inputs: Mapping[str, Floats]) -> dict[str, Floats]:
+        """Makes one step with these inputs, and returns the outputs at its end. Raises BlockError."""
+        table = self._table({name: np.atleast_2d(values) for name, values in inputs.items()})
+        self._count += 1
+        return self._row(self._stepped_on(np.concatenate((table, table)), 1, self._count - 1)[0])
+
+    def _row(self, values: Floats) -> dict[str, Floats]:
+        return dict(zip(self._names, np.split(values, self._ends), strict=True))
+
     def _by_name(self, rows: list[Floats]) -> dict[str, Floats]:
         return dict(zip(self._names, np.split(np.array(rows), self._ends, axis=1), strict=True))
 
@@ -135,11 +154,13 @@ class Bench:
         self._given: Floats | None = None
         return self._slave
 
-    def _begun(self, table: Floats, parameters: Mapping[Element, float] | None = None) -> list[Floats]:
+    def _begun(
+        self, table: Floats, parameters: Mapping[Element, float] | None = None, stop: float | None = None
+    ) -> list[Floats]:
         """Initializes it, and returns its outputs at the start."""
         block = self._stepped
         block.set([*self.starts, *(parameters or {}).items()])
-        block.enter(self.step * len(table))
+        block.enter(self.step * len(table) if stop is None else stop)
         block.set(zip(self._elements, table[0].tolist(), strict=True))
         block.get(self._handed_on)  # as a master does; others need not exist yet
         if self._given is None:
@@ -148,15 +169,15 @@ class Bench:
         block.get_all()
         return [self._into.copy()]
 
-    def _stepped_on(self, table: Floats, first: int) -> list[Floats]:
-        """Makes the steps to the rows from this one on, and returns the outputs at each."""
+    def _stepped_on(self, table: Floats, first: int, count: int | None = None) -> list[Floats]:
+        """Makes the steps to the rows from this one on, and returns the outputs at each; `count` were made before."""
         block, into, given, rows = self._stepped, self._into, self._given, []
         assert given is not None
-        for count, values in enumerate(table[first:], first - 1):
+        for done, values in enumerate(table[first:], first - 1 if count is None else count):
             given[:] = values
             begun = perf_counter()
             block.set_inputs()
-            block.do_step(count * self.step, self.step)
+            block.do_step(done * self.step, self.step)
             block.get_all()
             if self.seconds is not None:
                 self.seconds.append(perf_counter() - begun)

@@ -36,6 +36,8 @@ _NEAR_WITH_CAUSES = 0.2
 """The latter where causes are looked for besides."""
 _CLEAR, _EXACT = 3.0, 1e-8
 """Another with as few unknowns serves as well where it leaves at most so many times the least, or so much."""
+_EXACT_FIT = 1e-9
+"""What a frame leaves where nothing else differs."""
 _FAR = 10.0
 """One that leaves so many times the least of some instants is not looked at on the whole run."""
 _LOOKED, _AGAIN = 2, 8
@@ -90,12 +92,14 @@ def other_frame(
     whole: tuple[Inputs, Floats, Inputs],
     ends: float,
     rest: Rest | None = None,
+    after: Rest | None = None,
 ) -> tuple[tuple[Cause, ...], float] | None:
     """Returns the frame in which inputs are read, and what it leaves of the whole run; None where none explains it.
 
     `few` and `whole` are inputs (instants, elements), their times (instants,) in s, and the outputs of theirs on them.
     None is begun after `ends`, by `clock`, and then none is named: another could serve as well. With `rest`, which
-    explains what a reading leaves of the outputs, its causes follow.
+    explains what a reading leaves of the outputs, its causes follow; with `after` only single precision, which leaves
+    so little that it does not keep a frame from being found.
     """
     found: list[tuple[float, Reading, Floats, tuple[Cause, ...]]] = []
     as_wired = float(np.linalg.norm(_left(ours, whole[0], {}, whole[2])))
@@ -139,6 +143,10 @@ def other_frame(
     most = max(_CLEAR * min(one[0] for one in found), _EXACT)
     found = sorted((one for one in found if one[0] <= most), key=lambda one: (len(one[2]), one[0]))
     left, reading, unknowns, causes = found[0]
+    if after is not None and left > _EXACT_FIT:
+        more, least = after(_played(ours, whole[0], reading.every(*whole[:2], unknowns)))
+        if more and least < 0.1 * left and all(cause.kind == "single" for cause in more):
+            causes, left = (*causes, *more), least
     others = [f"{r.where}: {r.words(u)}" for _, r, u, _ in found[1:] if len(u) == len(unknowns)]
     words = "; or equally well ".join([reading.words(unknowns), *others])
     frames = [Cause(reading.kind, reading.where, reading.size(unknowns), words, left)]

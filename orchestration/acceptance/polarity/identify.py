@@ -29,6 +29,8 @@ SAME = 1e-10
 """And one up to which they are the same."""
 CHANGE, MINUS = 2e-3, 1e-6
 """What a change of a port and each minus sign in it count as difference: of two that serve, the plainer is taken."""
+_REPEATED, _ENOUGH = 3, 8
+"""At so many instants an output that saturates is at its largest, and so many others have to be left."""
 _LIVELY = 1.0 / 3.0
 """Share of the run, from its start, of which the instants are."""
 _MOST = 4000
@@ -222,7 +224,8 @@ class Identifier:
         outputs: dict[str, Wrong] = {}
         total = 0.0
         for name in self.reference:
-            wrong, error = self._nearest(name, ours[name], theirs[name])
+            free = _unlimited(theirs[name])
+            wrong, error = self._nearest(name, ours[name][free], theirs[name][free])
             total += self._weights[name] * min(error, 2.0)
             if wrong is not None:
                 outputs[name] = wrong
@@ -240,6 +243,15 @@ class Identifier:
         errors = np.einsum("nij,jk,nik->n", stacked, own, stacked) - 2.0 * np.einsum("nij,ij->n", stacked, mixed)
         least = int((np.sqrt(np.maximum(errors + square, 0.0) / square) + counts).argmin())
         return changes[least], float(np.linalg.norm(theirs @ stacked[least].T - ours)) / square**0.5
+
+
+def _unlimited(theirs: Floats) -> Floats:
+    """Returns the instants at which no element is at its largest, where it is so at several, as one that saturates or
+    is stuck; all where too few are left."""
+    sizes = np.abs(theirs)
+    at_most = (sizes >= (1.0 - 1e-9) * sizes.max(axis=0)) & (sizes > 0.0)
+    free = ~(at_most & (at_most.sum(axis=0) >= _REPEATED)).any(axis=1)
+    return free if free.sum() >= _ENOUGH else np.ones(len(theirs), bool)
 
 
 def _of_the_inverse(wrong: Wrong) -> Wrong:

@@ -263,7 +263,7 @@ class Search(Identifier):
             def rest(ours: Mapping[str, Floats] | None, theirs: dict[str, Floats] = given[1]) -> _Rest:
                 return ((), np.inf) if ours is None else self.explain(dict(ours), theirs, {})
 
-            made = other_frame(self._ours, allowed, few, whole, ends, None if tried is None else rest)
+            made = other_frame(self._ours, allowed, few, whole, ends, None if tried is None else rest, rest)
             if made is not None:
                 found = self._found(every, wired, made[1], made[0], outputs)
                 best = min(best, found, key=_worth) if found.named else best
