@@ -160,7 +160,9 @@ def sizing(
     )
 )
 @click.argument("scenario", type=click.Path(path_type=Path))
-@click.option("--mass", metavar="M", help="Mass of the satellite, to compare with its inertia; in kg or with a unit.")
+@click.option(
+    "--mass", metavar="M", help="Mass of the satellite, to compare with its inertia; default: that of the file."
+)
 @click.option("--set", "sets", multiple=True, metavar="BLOCK.PARAMETER=VALUE", help="A start value; may be repeated.")
 @click.pass_context
 def plausible(ctx: click.Context, scenario: Path, mass: str | None, sets: tuple[str, ...]) -> None:

@@ -102,7 +102,6 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
     files |= {folder / "parts" / name: text for name, text in parts.items()}
     if there := next((path for path in files if path.exists()), None):
         raise InputError(f"{there} is there already; expected a folder without it")
-    mass = found.number("mass", given["mass"]) if "mass" in given else None
     notes: list[str] = []
     with _undone(folder, list(files)):
         try:
@@ -113,7 +112,7 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
             written = read(folder / found.flown)
             loaded = load(written)
             opened = open_scenario(loaded).plan.scenario
-            notes = [str(finding) for finding in findings(loaded, mass)]
+            notes = [str(finding) for finding in findings(loaded)]
             sample = opened.step * max(entry.every for entry in opened.blocks.values())
             first = whole(
                 load(

@@ -16,7 +16,7 @@ import numpy as np
 from orchestration import InputError
 from orchestration.quantities import QuantityError, parse_unit, value_in
 
-from .template import Template
+from .template import Template, flow
 
 MU, EARTH_RADIUS = 3.986004418e14, 6378137.0
 """m3/s2 and m (WGS 84)."""
@@ -111,6 +111,8 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
         notes["inertia"] = f"of a homogeneous body of {values['mass']} and this size; wheels locked"
     else:
         notes["inertia"] = "with the wheels locked" + (f"; mass {values['mass']}" if "mass" in given else "")
+    stated = f"data: {{mass: {flow(values['mass'])}}}" if "mass" in given else "# data: {mass: 4 kg}"
+    notes["mass"] = f"{stated}          # only compared with J_B" + ("" if "mass" in given else "; state it")
     J = _matrix(values["inertia"])
     if values["J_error_B"] is None:
         off = ERROR * J if J is not None else np.zeros((3, 3))

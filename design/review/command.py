@@ -68,7 +68,7 @@ class Bar:
     "--window", default="60 s", show_default=True, metavar="T", help="Over which mean and relative error count."
 )
 @click.option("--drift", default="600 s", show_default=True, metavar="T", help="Between two windows of the drift.")
-@click.option("--mass", metavar="M", help="Mass of the satellite, to compare with its inertia.")
+@click.option("--mass", metavar="M", help="Mass, to compare with the inertia; default: that of the file.")
 @click.option("--workers", default=os.cpu_count() or 1, type=click.IntRange(0), metavar="N",
               help="Processes that fly; 0: this one. Default: one for each core.")  # fmt: skip
 @OPEN

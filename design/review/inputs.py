@@ -46,7 +46,7 @@ def data(facts: Facts) -> Section:
     p, s = facts.satellite.p, facts.satellite
     shown = [
         ("scenario", str(facts.file)),
-        ("mass", f"{s.mass:g} kg" if s.mass else "not stated: --mass"),
+        ("mass", f"{s.mass:g} kg" if s.mass else "not stated: data: {mass: 4 kg} in the file, or --mass"),
         ("principal moments of inertia", _listed(np.asarray(np.linalg.eigvalsh(s.J)), "kg.m2")),
         ("inertia that the flight software believes less the true one", f"{_share(p.J_error_B, p.J_B):.3g} % of it"),
         ("body", f"{1e3 * p.body_width:g} mm wide, {1e3 * p.body_length:g} mm long along {p.body_axis}"),

@@ -24,8 +24,8 @@ from .flights import motion as flown_alone
 from .options import Options, Tell
 from .power import power
 
-SAMPLE = 0.4
-"""Orbits of the file's own tumble that are flown to see how fast it is."""
+SAMPLE, SAMPLE_RODS = 0.4, 1.0
+"""Orbits of the file's own tumble that are flown to see how fast it is; by rods alone plans are searched all along."""
 LIMITS = [
     "Flexible parts, sloshing, moving panels and appendages: the body is rigid.",
     "Failures of two parts at once, failures that come and go, the computer, the radio and the power supply.",
@@ -94,7 +94,7 @@ def review(
 def speed(found: Facts, source: Source) -> float:
     """Returns how many steps a second a processor flies of the file's own tumble, whatever else it does."""
     source = source.without([(name,) for name in ("record", "expect", "figures", "live", "timeline", "faults")])
-    duration = SAMPLE * found.period
+    duration = (SAMPLE if found.wheels else SAMPLE_RODS) * found.period
     for seconds in (min(60.0, duration), duration):  # the first loads
         scenario = load(source.with_value("duration", f"{seconds:.6g} s", "review"))
         begun = process_time()

@@ -33,7 +33,7 @@ from .changes import KEPT, Changed, Values, changes, delays_by_order, start_of, 
 Scalar = float | int | bool | str
 
 _ONLY_OURS = ", which only this orchestrator can do; cannot be exported"
-_LEFT_OUT = ("expect", "holds", "consistency", "figures", "timeline", "phases", "live", "cycle", "record")
+_LEFT_OUT = ("expect", "holds", "consistency", "figures", "timeline", "phases", "live", "cycle", "data", "record")
 """What the step for the values of t = 0 goes without."""
 
 

@@ -23,7 +23,7 @@ from .references import Connection, Name, Reference, Selection
 from .source import Key, Source
 from .telemetry import Telemetry
 from .timeline import Phases, TimelineEntry
-from .types import Bytes, Extending, Flavour, Isolation, Model, Period, Value
+from .types import Bytes, Extending, Flavour, Isolation, Mass, Model, Period, Value
 from .view import ViewEntry
 
 
@@ -95,6 +95,14 @@ class Record(Model):
     """Names such as `plant.omega_B`, `plant.x[2]` or `plant.*` (all outputs). Default: all outputs of all blocks."""
 
 
+class Data(Model):
+    """What a data sheet says that no block takes."""
+
+    mass: Mass | None = None
+    """In kg, or as text with a unit. `orchestrate plausible`, `review` and the notes of a run compare it with the
+    inertia."""
+
+
 class Cycle(Model):
     """A second axis of time in figures, such as orbits."""
 
@@ -131,6 +139,8 @@ class Scenario(Extending):
     shared: dict[Name, Value] = {}
     """Start values by the parameter's name, for every block that has it; a value under the block's own `start` goes
     before."""
+    data: Data = Field(default_factory=Data)
+    """Data that no block takes; nothing that flies depends on them."""
     connections: list[Connection] = []
     """`plant.omega_B -> controller.omega_B`: whole variables, or single elements as `a.x[2] -> b.y`."""
     delays: list[Reference] = []

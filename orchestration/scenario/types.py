@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Annotated, Any, Literal
 
@@ -66,6 +67,16 @@ def _positive(value: float) -> float:
     return value
 
 
+def _kilograms(value: Any) -> float:
+    try:
+        kilograms = value_in(value, parse_unit("kg"))
+    except QuantityError as error:
+        raise ValueError(f"{error}; expected kg, or text such as '4 kg'") from None
+    if not 0.0 < kilograms < math.inf:
+        raise ValueError(f"expected a mass above zero, found {value}")
+    return kilograms
+
+
 def quantity(value: Any) -> Any:
     if isinstance(value, str):
         parse(value)
@@ -83,6 +94,7 @@ def unit_name(value: Any) -> Any:
 NUMBER_OR_TEXT: list[dict[str, Any]] = [{"type": "number"}, {"type": "string"}]
 Time = Annotated[float, BeforeValidator(_seconds), WithJsonSchema({"anyOf": NUMBER_OR_TEXT})]
 Period = Annotated[Time, AfterValidator(_positive)]
+Mass = Annotated[float, BeforeValidator(_kilograms), WithJsonSchema({"anyOf": NUMBER_OR_TEXT})]
 Quantity = Annotated[Any, BeforeValidator(quantity), WithJsonSchema({"anyOf": NUMBER_OR_TEXT})]
 UnitName = Annotated[str, BeforeValidator(unit_name), Field(strict=True)]
 _VALUE = {"anyOf": [*NUMBER_OR_TEXT, {"type": "boolean"}, {"type": "array"}, *forms.SCHEMA]}

@@ -17,7 +17,7 @@ from .words import ANNOTATION, NAMESPACES
 
 KEYS = (
     *("name", "description", "step", "duration", "exchange", "delays", "record"),
-    *("expect", "holds", "consistency", "faults", "timeline", "phases", "figures", "cycle"),
+    *("expect", "holds", "consistency", "faults", "timeline", "phases", "figures", "cycle", "data"),
 )
 """What it may say of the scenario."""
 BLOCK_KEYS = ("every",)

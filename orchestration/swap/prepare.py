@@ -140,7 +140,9 @@ def _notes(fitted: Fit, entry: BlockEntry) -> list[str]:
     for causality, what in (("output", "recorded under their own names"), ("parameter", "which keep the FMU's values")):
         given = {str(name).partition("[")[0] for name in entry.start}
         names = [v.name for v in fitted.extra if v.causality == causality and v.name not in given]
-        if names:
+        if names and entry.python and causality == "parameter":
+            notes.append(f"its law has parameters of its own, with the file's values: {', '.join(names)}")
+        elif names:
             notes.append(f"its FMU has further {causality}s, {what}: {', '.join(names)}")
     return notes
 

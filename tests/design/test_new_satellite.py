@@ -174,6 +174,7 @@ def test_a_mass_in_the_place_of_inertia_is_that_of_a_homogeneous_box(tmp_path):
     assert made(tmp_path / "cube", inertia=None, mass="4 kg").exit_code == 0
     J = orchestration.load(tmp_path / "cube" / "tumble.yaml").shared["J_B"]
     assert J["diagonal"] == pytest.approx([0.0418667, 0.0418667, 0.0066667], rel=1e-4)
+    assert orchestration.load(tmp_path / "cube" / "tumble.yaml").data.mass == 4.0
     assert box(12.0, 1.0, 2.0, "y") == pytest.approx([5.0, 2.0, 5.0])
 
 

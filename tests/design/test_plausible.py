@@ -93,6 +93,8 @@ def test_no_mistake_is_seen_in_the_satellites_of_the_evidence(name):
         "body_length": one.size[1],
         "body_axis": one.axis,
     }
+    if not one.has_wheel:  # which has to bear its disturbances itself
+        values |= {"plant.residual_dipole_B": [0, 0, 0], "plant.disturbance_torque_B": [one.disturbance(False), 0, 0]}
     assert [str(f) for f in findings(scenario(**values))] == []
 
 
@@ -101,6 +103,28 @@ def test_a_mass_bounds_the_inertia_of_what_fits_into_the_body():
     light = [str(finding) for finding in findings(scenario(), mass=1.0)]
     assert any("kg.m2 of 1 kg within 0.1 by 0.1 by 0.34 m" in text for text in light)
     assert findings(scenario(), mass=4.0) == []
+    heavy = [str(finding) for finding in findings(scenario(), mass=4000.0)]
+    assert "1.18e+06 kg/m3" in heavy[0]
+    assert "in g it would fit" in heavy[0]
+
+
+def test_rods_alone_are_held_against_the_disturbances_of_a_goal():
+    """J n^2 of a 1U at 500 km by hand: 2.2e-3 kg m2 and 1.107e-3 rad/s make 2.7e-9 N m."""
+    small = {"J_B": {"diagonal": [2.3e-3, 2.3e-3, 2e-3]}, "dipole_max": 0.2, "body_length": "11 cm"}
+    alone = {**small, "wheel_torque_max": 1e-9, "wheel_momentum_max": 1e-9, "plant.residual_dipole_B": [2e-3, 0, 0]}
+    found = [str(finding) for finding in findings(scenario(goal="5 deg", **alone))]
+    assert any("there is no wheel" in text and "at most 5.4e-09 N.m" in text for text in found), found
+    with_a_wheel = findings(scenario(goal="5 deg", **{**alone, "wheel_torque_max": 1e-4, "wheel_momentum_max": 1e-3}))
+    assert not any("there is no wheel" in str(finding) for finding in with_a_wheel)
+
+
+def test_the_mass_of_the_file_counts_as_one_that_is_given():
+    source = read(Path("scenarios/flight_cubesat.yaml"))
+    light = orchestration.load(source.with_entry(("data",), {"mass": "1000 g"}))
+    assert findings(light) == findings(scenario(), mass=1.0) != []
+    assert findings(light, mass=4.0) == []
+    with pytest.raises(orchestration.InputError, match=r"data\.mass: .*kg, or text such as '4 kg'"):
+        orchestration.load(source.with_entry(("data",), {"mass": "4 m"}))
 
 
 def test_disturbances_are_those_of_closed_forms():

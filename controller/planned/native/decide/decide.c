@@ -58,7 +58,8 @@ static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const M
     x->challenged = !of_search && controller_planned_plan_has_come(x, early);
     if (of_search) {
         x->search.ready = x->provisional = false;
-        x->next_challenge = x->t + CHALLENGE_PERIOD * x->scales.time;
+        const double rest = CHALLENGE_PERIOD * x->scales.time;
+        x->next_challenge = x->t + (has_wheel(model) ? rest : controller_planned_rods_rest(model));
     }
     x->steering.lambda_N = (Vector){0.0, 0.0, 0.0};
 }

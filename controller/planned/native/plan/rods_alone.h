@@ -28,7 +28,8 @@ Turn controller_planned_random_turn(const Model *model, uint32_t *random);
 /* N m s, below which a momentum to be given is left to the plan, and beyond which it is steered again. */
 double controller_planned_rods_limit(const Model *model, double l, bool steered);
 
-/* The cost above which a plan by rods is challenged. */
+/* The cost above which a plan by rods is challenged, and the time from one search to the next, s. */
 double controller_planned_rods_cost(const Model *model);
+double controller_planned_rods_rest(const Model *model);
 
 #endif
