@@ -14,7 +14,7 @@ SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if 
 
 
 class Stopped(KeyboardInterrupt):
-    """A signal other than that of Ctrl-C asks the program to end."""
+    """A signal asks the program to end."""
 
     def __init__(self, number: int) -> None:
         super().__init__()
@@ -33,22 +33,30 @@ def latest() -> list[int]:
     return _latest
 
 
+def is_asked(error: BaseException) -> bool:
+    """Whether a signal may have raised this, and not the code of others that ran."""
+    if not isinstance(error, KeyboardInterrupt):
+        return False
+    plain = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    return isinstance(error, Stopped) or bool(_latest) or plain
+
+
 def _stop(number: int, frame: FrameType | None) -> NoReturn:
     raise Stopped(number)
 
 
 @contextmanager
 def stoppable() -> Iterator[None]:
-    """Lets the other signals raise an exception as Ctrl-C does, where nobody has said what they do (nohup has)."""
-    ours = threading.current_thread() is threading.main_thread()
-    taken = [n for n in SIGNALS if ours and signal.getsignal(n) is signal.SIG_DFL]
+    """Lets the signals raise Stopped, where nobody has said what they do (nohup has)."""
+    ours, usual = threading.current_thread() is threading.main_thread(), (signal.SIG_DFL, signal.default_int_handler)
+    taken = {n: handler for n in SIGNALS if ours and (handler := signal.getsignal(n)) in usual}
     for number in taken:
         signal.signal(number, _stop)
     try:
         yield
     finally:
-        for number in taken:
-            signal.signal(number, signal.SIG_DFL)
+        for number, handler in taken.items():
+            signal.signal(number, handler)
 
 
 @contextmanager

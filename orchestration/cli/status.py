@@ -5,17 +5,19 @@ Tests: tests/orchestration/cli/test_cli.py, tests/orchestration/results/test_end
 
 from __future__ import annotations
 
+import atexit
 import errno
 import os
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any
+from contextlib import contextmanager, suppress
+from typing import Any, NoReturn
 
 import click
 
 from ..errors import BlockError, InputError, ResultsError, reason
+from ..instances.surroundings import left
 from ..interrupt import stoppable
 from ..paths import here
 from .console import complain, lost, open_streams, silence
@@ -30,6 +32,14 @@ class Commands(click.Group):
     """A group whose commands end with a line and a status, without a traceback, where they raise."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
+        try:
+            return self._main(*args, **kwargs)
+        except SystemExit as ended:
+            if any(thread.is_alive() for thread in left) and sys.stdout is sys.__stdout__:
+                _end(ended.code)
+            raise
+
+    def _main(self, *args: Any, **kwargs: Any) -> Any:
         open_streams()
         lost()  # by an earlier command of this process
         try:
@@ -53,6 +63,15 @@ class Commands(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         with _told():
             return super().invoke(ctx)
+
+
+def _end(status: Any) -> NoReturn:
+    """Ends the program without waiting for threads that blocks have left."""
+    atexit._run_exitfuncs()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError, AttributeError):
+            stream.flush()
+    os._exit(status if isinstance(status, int) else 0)
 
 
 @contextmanager

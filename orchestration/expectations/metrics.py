@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..fmu.model import Floats, Model
+from ..foreign import told
 from ..quantities import ONE, SECOND, QuantityError, Unit, parse_unit
 from ..scenario.metrics import BOUNDS, Metric
 from ..scenario.scenario import Scenario
@@ -229,8 +230,8 @@ class FunctionObserver:
         called = self.measure.metric.python
         try:
             number = float(self._function(np.concatenate(self._time), given))
-        except (Exception, SystemExit) as error:  # sys.exit in it would end the worker
-            raise MetricError(f"{self.measure.metric.name}: {called} raised {type(error).__name__}: {error}") from None
+        except BaseException as error:  # sys.exit in it would end the worker
+            raise MetricError(f"{self.measure.metric.name}: {called} raised {told(error)}") from None
         if math.isnan(number):
             raise MetricError(f"{self.measure.metric.name}: {called} returned nan; expected a number")
         return number

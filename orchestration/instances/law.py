@@ -8,6 +8,7 @@ Tests: tests/orchestration/instances/test_law.py.
 from __future__ import annotations
 
 import copy
+import os
 import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -16,15 +17,13 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import BlockError, InputError
+from ..errors import BlockError
 from ..fmu.model import Element, Floats, Model, Variable
+from ..foreign import shown, told
 from .guest import TRACE
 
-SUFFIX = ".py"
 ESTIMATE = "_estimate"
 """At the end of an output's name: where others take it in and a law leaves it out, it is the input of that name."""
-_RAISED = (Exception, SystemExit, GeneratorExit)
-"""What a law may end with; it is the block's error, and no end of the run but by its status."""
 
 
 class Law:
@@ -40,7 +39,7 @@ class Law:
 
     def __init__(self, name: str, model: Model, path: Path) -> None:
         """Raises BlockError where the file cannot be read, or has no law."""
-        self.name, self.model, self._path = name, model, path
+        self.name, self.model, self._path, self._process = name, model, path, os.getpid()
         try:
             self._code = compile(path.read_text("utf-8"), str(path), "exec")
         except OSError as error:
@@ -82,21 +81,25 @@ class Law:
         return law.step, law
 
     def _guarded(self, call: str, work: Callable[[], Any]) -> Any:
+        """What it raises is the block's error, and no end of the run but by its status; only a signal is one."""
         TRACE.at(self.name, call)
         try:
             return work()
-        except _RAISED as error:
+        except BaseException as error:
             raise self._told(call, error) from None
+        finally:
+            self._leave_copy()
+
+    def _leave_copy(self) -> None:
+        """Ends this process where it is a copy that the law has made (os.fork): one is enough to write results."""
+        if os.getpid() != self._process:
+            os._exit(0)
 
     def _told(self, call: str, error: BaseException) -> BlockError:
-        """The error with the line of the law's own file at which it was raised."""
+        """The error with the line of the law's own file at which it was raised; a signal's is raised again."""
         frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(self._path)]
         where = f"{self._path}:{frames[-1].lineno}: " if frames else f"{self._path}: "
-        try:
-            text = str(error)
-        except Exception:  # of a class of the law's own
-            text = "an error without text"
-        return BlockError(self.name, call, f"{where}{type(error).__name__}: {text}")
+        return BlockError(self.name, call, f"{where}{told(error)}")
 
     # ------------------------------------------------------------ values
 
@@ -109,7 +112,7 @@ class Law:
         if not self._running and any(self.model.variables[e.variable].causality == "output" for e in elements):
             step = self._step
             if self._law is not None:
-                step = self._guarded("copying the law", lambda: copy.deepcopy(self._law)).step
+                step = self._guarded("copying the law", lambda: copy.deepcopy(self._law).step)
             TRACE.at(self.name, "step in initialization")
             self._given = self._outputs(step, self._namespace("input"), 0.0, 0.0)
         return [float(self._value(element)) for element in elements]
@@ -136,9 +139,18 @@ class Law:
         if self._parameters is None:
             self._parameters = self._namespace("parameter")
         try:
-            given = step(inputs, self._parameters, t, h)
-        except _RAISED as error:
+            flat = self._flat(step(inputs, self._parameters, t, h), inputs)
+        except BlockError:
+            raise
+        except BaseException as error:
             raise self._told("step", error) from None
+        finally:
+            self._leave_copy()
+        return flat
+
+    def _flat(self, given: Any, inputs: SimpleNamespace) -> dict[str, Any]:
+        """The outputs that a step returned, by name, each flat. Raises BlockError, and what classes of the law's own
+        raise."""
         if not isinstance(given, Mapping):
             raise self._refused(f"expected a mapping such as {{'tau_cmd_B': [...]}}, found {type(given).__name__}")
         flat = dict(self._given)
@@ -146,11 +158,11 @@ class Law:
             variable = self.model.variables.get(name)
             if variable is None or variable.causality != "output":
                 known = ", ".join(v.name for v in self.model.of("output"))
-                raise self._refused(f"there is no output {name!r}; expected some of {known}")
+                raise self._refused(f"there is no output {shown(name)}; expected some of {known}")
             try:
                 array = np.asarray(value, np.float64)
             except (TypeError, ValueError, OverflowError):
-                raise self._refused(f"{name}: expected {variable.kind}, found {value!r}") from None
+                raise self._refused(f"{name}: expected {variable.kind}, found {shown(value)}") from None
             if array.shape != variable.shape:
                 raise self._refused(f"{name}: expected {variable.kind}, found one of shape {list(array.shape)}")
             flat[name] = array.ravel()
@@ -159,7 +171,7 @@ class Law:
                 flat[name] = np.asarray(seen, np.float64).ravel()
         if missing := self.model.needed - flat.keys():
             raise self._refused(
-                f"expected {', '.join(sorted(missing))}, which other blocks take in, found {list(given)}"
+                f"expected {', '.join(sorted(missing))}, which other blocks take in, found {shown(list(given))}"
             )
         return flat
 
@@ -231,11 +243,3 @@ class Law:
 
     def close(self) -> None:
         """Nothing is held."""
-
-
-def refuse_missing(path: Path, text: str) -> None:
-    """Raises InputError where there is no such file of Python."""
-    if path.suffix != SUFFIX:
-        raise InputError(f"expected the path of a .py file, found {text}")
-    if not path.is_file():
-        raise InputError(f"there is no file {text}")

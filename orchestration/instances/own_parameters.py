@@ -18,6 +18,7 @@ from ..errors import InputError
 from ..fmu.model import Model, Variable
 
 NAME = "PARAMETERS"
+SUFFIX = ".py"
 
 
 def with_own(model: Model, path: Path) -> Model:
@@ -60,3 +61,11 @@ def _stated(path: Path) -> Mapping[str, tuple[Any, int]]:
                 raise InputError(f"{path}:{value.lineno}: {NAME}: {text}, found {ast.unparse(value)}") from None
             found[name] = number, value.lineno
     return found
+
+
+def refuse_missing(path: Path, text: str) -> None:
+    """Raises InputError where there is no such file of Python."""
+    if path.suffix != SUFFIX:
+        raise InputError(f"expected the path of a .py file, found {text}")
+    if not path.is_file():
+        raise InputError(f"there is no file {text}")

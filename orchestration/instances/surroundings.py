@@ -1,5 +1,5 @@
 """What an FMU in this process may change for all others: rounding mode, flushing of small numbers to zero, working
-folder, signal handlers, limits, open files.
+folder, signal handlers, limits, open files, streams, threads that go on.
 
 Each is compared with what it was, restored, and noted with the FMU's name. The rounding mode, whose look takes
 nanoseconds, is looked at after each call of the step loop; the rest after the calls of initialization and at the end of
@@ -15,6 +15,7 @@ import math
 import os
 import signal
 import sys
+import threading
 from contextlib import suppress
 from ctypes.util import find_library
 
@@ -33,6 +34,9 @@ _ENVIRONMENT = 512
 _HANDLER = c.sizeof(c.c_void_p)
 """Bytes of it that are compared: its first member. The C library leaves some of the others as they happen to be."""
 
+left: list[threading.Thread] = []
+"""The threads that flights have left, for which Python would wait at its end."""
+
 
 class Surroundings:
     """As they are when this is made, before the first FMU of others is loaded."""
@@ -41,6 +45,7 @@ class Surroundings:
         """`notes` is the list to which what is noted is added."""
         self.notes = notes
         self.watches = sys.platform != "win32"
+        self._process, self._threads, self._streams = os.getpid(), set(_threads()), (sys.stdout, sys.stderr)
         if not self.watches:
             return
         libm = c.CDLL(find_library("m"))
@@ -71,6 +76,8 @@ class Surroundings:
         """Restores all of it, and notes what had been changed."""
         if not self.watches:
             return
+        if os.getpid() != self._process:  # a copy that it has made by fork: one is enough to write results
+            os._exit(0)
         self.look_at_rounding(block, call)
         if _flushes():
             self._restore(self._arithmetic)
@@ -92,6 +99,15 @@ class Surroundings:
                 with suppress(OSError):  # the copy has been closed, too
                     os.dup2(copy, file)
                 self.note(block, call, f"the file {file} ({('input', 'output', 'errors')[file]}), which it closed")
+        for name, stream in zip(("stdout", "stderr"), self._streams, strict=True):
+            now = getattr(sys, name)
+            if stream is not None and not stream.closed and (now is None or now.closed):
+                setattr(sys, name, stream)
+                self.note(block, call, f"sys.{name}")
+        if going := set(_threads()) - self._threads - set(left):
+            left.extend(going)
+            names = ", ".join(sorted(thread.name for thread in going))
+            self.notes.append(f"{block}: {call} left threads that go on ({names}); they end with this program")
         if closed := {file for file in self._files if not _is_open(file)}:
             self._files -= closed
             many = "files" if len(closed) > 1 else "file"
@@ -126,6 +142,10 @@ def _flushes() -> bool:
     """Whether numbers below the smallest normal one are taken for zero."""
     least = sys.float_info.min
     return not least / 2 or not math.nextafter(0.0, 1.0) * 2
+
+
+def _threads() -> list[threading.Thread]:
+    return [thread for thread in threading.enumerate() if not thread.daemon]
 
 
 def _is_open(file: int) -> bool:

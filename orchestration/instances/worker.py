@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import pickle
+import signal
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -19,8 +20,9 @@ from ..errors import BlockError
 from ..fmu.model import Element
 from . import confine
 from .channel import ANSWER, DONE, GETTING, MARK, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, send, write
-from .law import SUFFIX, Law
+from .law import Law
 from .library import Library
+from .own_parameters import SUFFIX
 from .slave import Slave
 
 
@@ -76,7 +78,7 @@ class Worker:
 
     def _serve(self) -> None:
         part = self._memory.part
-        source, to, read, put = self._source, self._to, os.read, os.write
+        source, to, read, put, own, getpid = self._source, self._to, os.read, os.write, os.getpid(), os.getpid
         while True:
             order = read(source, 1)
             if order == STEP:
@@ -85,6 +87,8 @@ class Worker:
                 except BlockError as error:
                     self._refuse(error)
                 else:
+                    if getpid() != own:  # a copy that the FMU has made by fork
+                        os._exit(0)
                     part[0] = STEPPING  # until it is answered: what closes our pipes is seen no earlier
                     put(to, DONE)
             elif order:
@@ -179,6 +183,7 @@ def say(line: str) -> None:
 def main() -> NoReturn:
     source, to = confine.take_pipes()
     confine.print_at_once()
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # in Python it would be an error of whatever runs
     status = 0
     try:
         Worker(source, to).serve()

@@ -20,8 +20,7 @@ from ..fmu.archive import Fmu, open_fmu, second, shown
 from ..fmu.interfaces import is_path
 from ..fmu.model import Element
 from ..instances.block import Block
-from ..instances.law import refuse_missing
-from ..instances.own_parameters import with_own
+from ..instances.own_parameters import refuse_missing, with_own
 from ..paths import located
 from ..scenario.load import load
 from ..scenario.scenario import Scenario

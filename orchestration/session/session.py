@@ -166,7 +166,10 @@ class Session:
                     fmu.extract(work / name)
                 if law and bound is None:
                     self._around = self._around or Surroundings(self.notes)
-                    instances[name] = Law(name, fmu.model, fmu.path)
+                    try:
+                        instances[name] = Law(name, fmu.model, fmu.path)
+                    finally:
+                        self._around.look(name, "reading the law")
                 elif bound is None:
                     instances[name] = (
                         Slave(name, fmu, None, self._verbose, calls) if own else self._guest(name, work / name, calls)
@@ -183,7 +186,8 @@ class Session:
             raise InputError(*with_remedies(error, scenario, name)) from None
         except BlockError as error:
             message = f"{shown(opened.fmus[name].path)}: {error}"
-            raise InputError(scenario.error(("blocks", name, "fmu"), message)) from None
+            key = "python" if scenario.blocks[name].python else "fmu"
+            raise InputError(scenario.error(("blocks", name, key), message)) from None
         return instances
 
     def _recorded(self, name: str) -> Record:

@@ -17,6 +17,7 @@ from types import ModuleType
 
 from ...errors import InputError, hint
 from ...expectations.metrics import Function
+from ...foreign import told
 
 _loading = threading.Lock()
 
@@ -89,8 +90,8 @@ def find(reference: str, folder: Path, place: str, loads: bool = True) -> Code:
     except SyntaxError as error:
         at = f"{error.filename}:{error.lineno}: {error.msg}"
         raise NotLoaded(name, f"{place}: the module {name!r} cannot be loaded: {at}") from None
-    except (Exception, SystemExit) as error:
-        why = f"{type(error).__name__}: {error}"
+    except BaseException as error:
+        why = told(error)
         raise NotLoaded(name, f"{place}: the module {name!r} cannot be loaded: {why}, in {path}") from None
     if function not in names:
         known = hint(function, (n for n in names if not n.startswith("_")))

@@ -105,9 +105,19 @@ def test_a_function_is_given_the_whole_run():
     assert measured(np.minimum(TIME, 3.0), length, python="path:length") == pytest.approx(3.0)
 
 
+class Own(BaseException):
+    def __str__(self) -> str:
+        sys.exit(0)
+
+
+def raising(time, signals):
+    raise Own
+
+
 @pytest.mark.parametrize(
     ("function", "message"),
     [
+        (raising, "Own: an error without text"),
         (lambda t, s: 1 / 0, "ZeroDivisionError"),
         (lambda t, s: math.nan, "nan"),
         (lambda t, s: sys.exit(5), "SystemExit: 5"),

@@ -134,6 +134,20 @@ def test_a_class_remembers_from_step_to_step_and_starts_anew(tmp_path):
             "law.py:6: E: an error without text",
         ),
         ("def step(*_):\n    raise GeneratorExit\n", "law.py:2: GeneratorExit: "),
+        ("class E(BaseException): pass\ndef step(*_):\n    raise E('mine')\n", "law.py:3: E: mine"),
+        (
+            "class M(dict):\n    def items(self):\n        raise SystemExit(0)\ndef step(*_):\n    return M(y=1)\n",
+            "law.py:3: SystemExit: 0",
+        ),
+        (
+            "class A:\n    def __array__(self, *_, **__):\n        raise SystemExit(0)\n"
+            "def step(*_):\n    return {'y': A()}\n",
+            "law.py:3: SystemExit: 0",
+        ),
+        (
+            "class A:\n    def __repr__(self):\n        raise SystemExit(0)\ndef step(*_):\n    return {'y': A()}\n",
+            "step returned what is no outputs: y: expected a real scalar, found A",
+        ),
         ("x = 1\n", "law.py: expected a function step(inputs, parameters, t, h) or one class with it, found neither"),
         ("def step(*_):\n    return 3\n", "expected a mapping such as {'tau_cmd_B': [...]}, found int"),
         ("def step(*_):\n    return {'z': 3}\n", "there is no output 'z'; expected some of y, of"),
@@ -163,6 +177,74 @@ def test_a_law_that_changes_the_working_folder_is_told_and_it_is_restored(tmp_pa
     assert "controller: the run changed the working folder; it was restored" in result.warnings
 
 
+def command(folder: Path, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
+    """The command in a process of its own, on the scenario that `flown` wrote."""
+    line = [sys.executable, "-m", "orchestration", "own.yaml", "--out", "out"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "400"}
+    return subprocess.run(
+        line, cwd=folder, env=environment, capture_output=True, text=True, timeout=timeout, check=False
+    )
+
+
+@pytest.mark.parametrize("isolation", ["none", "process"])
+@pytest.mark.parametrize(
+    ("begins", "raised", "message"),
+    [
+        ("", "if t > 1: raise KeyboardInterrupt('mine')", "controller: step at 1 s: {}:4: KeyboardInterrupt: mine"),
+        ("", "if t > 1: raise E('mine')", "controller: step at 1 s: {}:4: E: mine"),
+        (
+            "raise KeyboardInterrupt('mine')",
+            "",
+            "python: my_law.py: controller: reading the law in initialization: {}:2: KeyboardInterrupt: mine",
+        ),
+    ],
+)
+def test_whatever_it_raises_is_its_own_error_and_no_interrupt(tmp_path, isolation, begins, raised, message):
+    flown(tmp_path, DAMPING, 2.0, isolation=isolation)
+    text = f"class E(BaseException): pass\n{begins}\ndef step(inputs, parameters, t, h):\n    {raised or 'pass'}\n"
+    (tmp_path / "my_law.py").write_text(text + "    return {'tau_cmd_B': [0, 0, 0]}\n")
+    done = command(tmp_path)
+    assert done.returncode == (2 if begins else 3)
+    assert "Traceback" not in done.stderr
+    assert message.format(tmp_path / "my_law.py") in done.stderr
+    assert (tmp_path / "out" / "signals.csv").is_file() != bool(begins)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a run is waited for on Linux alone")
+@pytest.mark.parametrize("isolation", ["none", "process"])
+def test_copies_of_the_process_that_it_makes_write_nothing(tmp_path, isolation):
+    flown(tmp_path, DAMPING, 2.0, isolation=isolation)
+    law = "import os\n" + DAMPING.replace("    return", "    if 1 < t < 1.3: os.fork()\n    return")
+    (tmp_path / "my_law.py").write_text(law)
+    done = command(tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.count("results in out") == 1
+    assert len((tmp_path / "out" / "signals.csv").read_text().splitlines()) == 22
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="threads are not looked at there")
+def test_the_program_does_not_wait_for_threads_that_it_leaves_and_says_so(tmp_path):
+    flown(tmp_path, DAMPING, 2.0)
+    begin = "import threading, time\nthreading.Thread(target=time.sleep, args=(1000,), name='mine').start()\n"
+    (tmp_path / "my_law.py").write_text(begin + DAMPING)
+    done = command(tmp_path)
+    assert done.returncode == 0
+    assert "controller: reading the law left threads that go on (mine); they end with this program" in done.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files are not looked at there")
+def test_what_it_takes_from_the_process_while_it_is_read_is_given_back(tmp_path):
+    flown(tmp_path, DAMPING, 2.0)
+    begin = "import resource, sys\nfile = resource.RLIMIT_FSIZE\n"
+    begin += "resource.setrlimit(file, (100, resource.getrlimit(file)[1]))\nsys.stdout = None\n"
+    (tmp_path / "my_law.py").write_text(begin + DAMPING)
+    done = command(tmp_path)
+    assert done.returncode == 0
+    assert "controller: reading the law changed the limit of a file's size; it was restored" in done.stderr
+    assert "controller: reading the law changed sys.stdout; it was restored" in done.stderr
+    assert "results in out" in done.stdout
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="a run is waited for on Linux alone")
 @pytest.mark.parametrize("late", [False, True], ids=["in initialization", "in a step"])
 def test_a_law_that_ends_the_process_does_not_end_the_run_with_status_0(tmp_path, late):
@@ -171,10 +253,7 @@ def test_a_law_that_ends_the_process_does_not_end_the_run_with_status_0(tmp_path
         f"import os\ndef step(inputs, parameters, t, h):\n    if t > {1.0 if late else -1.0}:\n        os._exit(0)\n"
         "    return {'tau_cmd_B': [0, 0, 0]}\n"
     )
-    command = [sys.executable, "-m", "orchestration", "own.yaml", "--out", "out", "--quiet"]
-    done = subprocess.run(
-        command, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False
-    )
+    done = command(tmp_path)
     assert done.returncode == 3
     assert f"controller: step{'' if late else ' in initialization'}: ended the run with exit status 0" in done.stderr
 

@@ -31,6 +31,9 @@ def test_a_metric_in_python_that_ends_the_process_is_a_failed_run_or_an_error_wi
     changed(toy, ("metrics:", "metrics:\n  - {name: own, python: 'mine:f', signals: [motor.speed]}"))
     assert fly(toy, runs=3).failed == 3
     assert {row["reason"] for row in rows()} == {"own: mine:f raised SystemExit: 7"}
+    Path("mine.py").write_text("class E(BaseException): pass\nraise E('7')\n")
+    with pytest.raises(InputError, match=r"toy.yaml:8: .*the module 'mine' cannot be loaded: E: 7, in .*mine.py"):
+        read_campaign(toy)
     Path("mine.py").write_text("import sys\nsys.exit(7)\n")
     with pytest.raises(
         InputError, match=r"toy.yaml:8: .*the module 'mine' cannot be loaded: SystemExit: 7, in .*mine.py"
