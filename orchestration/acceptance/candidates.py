@@ -71,11 +71,20 @@ def _in_a_row(variables: list[Variable], indexed: set[str]) -> list[Candidate]:
     alone = [None if v.size > 1 or v.name in indexed else (v.type, str(v.unit)) for v in variables]
     found = []
     for kind, group in groupby(range(len(variables)), alone.__getitem__):
-        chosen = [variables[i] for i in group]
+        chosen = _in_order([variables[i] for i in group])
         names, n = tuple(v.name for v in chosen), len(chosen)
         if kind is not None and n in _TOGETHER and _alike(names, {v.description for v in chosen}):
             found.append(Candidate(names, chosen[0], n, (3, 3) if n == 9 else (n,), "_".join(names), True))
     return found
+
+
+def _in_order(scalars: list[Variable]) -> list[Variable]:
+    """Returns three scalars in the order of the axes about which roll, pitch and yaw, or p, q and r, turn."""
+    for order in (("roll", "pitch", "yaw"), ("p", "q", "r")):
+        by_word = {word: v for v in scalars for word in words_of(v.name) if word in order}
+        if len(scalars) == 3 and len({v.name for v in by_word.values()}) == 3:
+            return [by_word[word] for word in order]
+    return scalars
 
 
 def _alike(names: tuple[str, ...], descriptions: set[str]) -> bool:

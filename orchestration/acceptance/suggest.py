@@ -22,7 +22,7 @@ from ..scenario.text import written
 from ..swap.findings import Fit
 from .candidates import Candidate, candidates, likeness, shared_words, told_unit, usual_unit
 from .polarity.wrongs import USUAL
-from .words import SEQUENCE, axes, direction, meanings, of_orbit, opposite, rotation_form, scalar_last
+from .words import SEQUENCE, asides, axes, direction, meanings, of_orbit, opposite, rotation_form, scalar_last
 
 _UNSURE = 0.4
 """A second candidate with a score this near leaves the first unsure."""
@@ -39,6 +39,8 @@ class _Match:
     why: list[str]
     extra: dict[str, Any] = field(default_factory=dict)
     unsure: bool = False
+    aside: bool = False
+    """Whether theirs is told to be something beside our quantity, so that another candidate goes before."""
 
 
 def suggest(fitted: Fit) -> str:
@@ -127,6 +129,8 @@ class _Suggestion:
             match.why.append("descriptions share words")
         if ours.causality != "parameter" and not self._meaning(match):
             return None
+        if ours.causality == "input":
+            self._asides(match)
         quaternion = ours.shape == (3, 3) and candidate.size == 4
         form = rotation_form(f"{candidate.stem} {theirs.description}") if ours.shape == (3, 3) else ""
         if candidate.size == 3 and form:
@@ -149,8 +153,7 @@ class _Suggestion:
             match.score += 0.5
         if ours.causality != "parameter":
             self._frames(match)
-        match.unsure = match.unsure or candidate.in_a_row
-        return match if match.score >= _LEAST else None
+        return self._enough(match)
 
     def _meaning(self, match: _Match) -> bool:
         """Whether the field's words of both sides can mean one thing; what they share counts."""
@@ -167,7 +170,21 @@ class _Suggestion:
             match.why.append(f"both mean {' and '.join(sorted(both))}")
         return (bool(both) or fits) and (not self._spare(ours) or one == other)
 
-    def _three(self, match: _Match, form: str) -> _Match:
+    def _asides(self, match: _Match) -> None:
+        """Takes less what is told to be a reference, an earlier value or a bias, or relative to the orbit."""
+        ours, theirs = match.ours, match.candidate.variable
+        text = f"{match.candidate.stem} {theirs.description}"
+        told = asides(match.candidate.stem, theirs.description) - asides(ours.name, ours.description)
+        found = [f"their words tell {what}" for what in sorted(told)]
+        rotation = ours.shape == (3, 3)
+        if of_orbit(text, rotation) and not of_orbit(ours.description, rotation):
+            what = "an attitude" if rotation else "a rate"
+            found.append(f"their words tell {what} relative to the orbit, which no mapping gives")
+        if found:
+            match.score, match.aside = match.score - 2.0, True
+            match.why += found
+
+    def _three(self, match: _Match, form: str) -> _Match | None:
         """Three numbers for our rotation matrix."""
         theirs = match.candidate.variable
         match.extra["rotation"] = form
@@ -179,7 +196,12 @@ class _Suggestion:
         match.unsure = form.startswith("euler") and SEQUENCE.search(text) is None
         match.score += 2.0
         match.why.append(f"3 values for a rotation: {form}")
-        return match
+        return self._enough(match)
+
+    def _enough(self, match: _Match) -> _Match | None:
+        """The match, unless too little speaks for it; what is told to be something beside goes last, and is unsure."""
+        match.unsure = match.unsure or match.aside or match.candidate.in_a_row
+        return match if match.score + 2.0 * match.aside >= _LEAST else None
 
     def _backwards(self, match: _Match) -> bool:
         """Whether theirs is told to be the inverse of our rotation matrix."""
@@ -197,9 +219,6 @@ class _Suggestion:
             match.candidate = replace(match.candidate, names=turned)
             match.extra.pop("matrix", None)
             match.why.append("of the inverse rotation")
-        if of_orbit(theirs.description) and not of_orbit(ours.description):
-            match.unsure = True
-            match.why.append("their words tell a rate relative to the orbit, which no mapping gives")
         told = axes(theirs.description)
         if ours.shape == (3,) and ours.causality == "input" and told and told != ours.frame and ours.frame:
             for other in self.reference.model.of("input"):

@@ -48,6 +48,16 @@ SIDES = (("rotor", "motor"), ("body", "spacecraft", "satellite", "reaction"))
 """Of a wheel's torque: on what it acts; on the other side it has the opposite sign."""
 _MAGNETIC_MOMENT = re.compile(r"\b(?:magnet\w*|magn)[ _]?moments?\b|\bmoments? magnet\w*", re.I)
 _OF_ORBIT = re.compile(r"\b(?:relative to|with respect to|wrt|w\.r\.t\.|against)(?: the)? (?:lvlh|orbit)", re.I)
+_ORBIT_AXES = re.compile(
+    r"\b(?:to|from|into|2)(?: the)? (?:lvlh|orbit)|\b(?:lvlh|orbit(?:al)?)(?: frame| axes)? (?:to|into)\b", re.I
+)
+_ASIDE = {
+    "a reference": "ref reference target des desired cmd commanded goal setpoint guidance",
+    "an earlier value": "prev previous old",
+    "a bias": "bias offset drift",
+}
+"""What a port is beside the quantity that its other words and its unit tell."""
+_FRAME = re.compile(r"\breference (?:frame|axes|system|coordinates)", re.I)
 _WORD = r"[A-Za-z0-9]+"
 _TO = re.compile(rf"\b({_WORD})(?:[- ](?:frame|axes|coordinates))?(?: to |[- ]to[- ]|->|2| into )(?:the )?({_WORD})\b")
 
@@ -93,9 +103,15 @@ def axes(text: str) -> str:
     return _frame(match[1]) if match else ""
 
 
-def of_orbit(text: str) -> bool:
-    """Whether a rate is told to be relative to the orbit's axes."""
-    return _OF_ORBIT.search(text) is not None
+def of_orbit(text: str, rotation: bool = False) -> bool:
+    """Whether a rate, or a rotation, is told to be relative to the orbit's axes."""
+    return _OF_ORBIT.search(text) is not None or (rotation and _ORBIT_AXES.search(text) is not None)
+
+
+def asides(name: str, description: str) -> set[str]:
+    """Returns what a port is told to be beside its quantity, such as a reference."""
+    words = {*words_of(name), *words_of(_FRAME.sub("", description))}
+    return {what for what, those in _ASIDE.items() if words & set(those.split())}
 
 
 def opposite(ours: str, theirs: str) -> bool:
@@ -122,6 +138,7 @@ def scalar_last(names: tuple[str, ...], text: str) -> bool | None:
     return last if last != first else None
 
 
+ROLL_FIRST = re.compile(r"rpy|roll.*pitch.*yaw", re.DOTALL)
 SEQUENCE = re.compile(r"\b([xyz]{3})\b|\b([XYZ]{3})\b|\b([123])-?([123])-?([123])\b")
 
 
@@ -132,9 +149,11 @@ def rotation_form(text: str) -> str:
         return "mrp"
     if re.search(r"rotation[ _-]?vector|rotvec", low):
         return "rotation vector"
-    if not re.search(r"euler|roll|yaw", low):
+    if not re.search(r"euler|roll|yaw|rpy", low):
         return ""
     match = SEQUENCE.search(text)
+    if ROLL_FIRST.search(low) and (match is None or "".join(filter(None, match.groups())).lower() in ("zyx", "321")):
+        return "euler xyz"  # the same rotation, by its angles in the other order
     letters = (
         "zyx" if match is None else (match[1] or match[2] or "".join("xyz"[int(d) - 1] for d in match.groups()[2:]))
     )

@@ -149,6 +149,59 @@ def test_scalars_in_a_row_are_one_vector_though_no_index_tells_it(tmp_path, name
     assert f"  omega_B: [{', '.join(names)}]  # unsure" in text
 
 
+def test_scalars_of_roll_pitch_and_yaw_stand_for_the_axes_about_which_they_turn(tmp_path):
+    rates = [f"rate_{name} rad/s" for name in ("pitch", "yaw", "roll")]
+    text = suggest(check(team(tmp_path, *(f"mag_{axis} T" for axis in "xyz"), *rates), "allocator")[1])
+    assert "  omega_B: [rate_roll, rate_pitch, rate_yaw]  # unsure" in text
+
+
+def entry(folder: Path, block: str, port: str, *theirs: tuple[str, str]) -> str:
+    """The proposed line of a port for an FMU whose inputs, name and description, have its kind or four values."""
+    kinds = {"q": ("", 4), "w": ("rad/s", 3), "a": ("", 3)}
+    text = '[block]\nname = "team"\ndescription = "x"\n[experiment]\nstop = 1.0\nstep = 0.1\n'
+    for name, description in theirs:
+        unit, size = kinds[name[0]]
+        text += f'[variables.{name}]\ncausality = "input"\nshape = [{size}]\nunit = "{unit}"\n'
+        text += f'description = "{description}"\nstart = {[0.0] * size}\n'
+    fmu = fmus.write(folder / "team.fmu", generated(parse(text, "team.toml"))["modelDescription.xml"])
+    return next(line for line in suggest(check(fmu, block)[1]).splitlines() if line.startswith(f"  {port}: "))
+
+
+@pytest.mark.parametrize(
+    ("port", "other", "chosen"),
+    [
+        ("R_NB", ("q_ref", "reference quaternion, body to inertial"), ("q_meas", "measured quaternion")),
+        ("R_NB", ("q_target", "target attitude"), ("q_att", "attitude relative to the reference frame")),
+        ("R_NB", ("q_bo", "quaternion, body to LVLH"), ("q_bi", "quaternion, body to inertial")),
+        ("omega_B", ("w", "body rate relative to LVLH"), ("wi", "inertial body rate")),
+        ("omega_B", ("w_prev", "body rate of the cycle before"), ("w_now", "gyros")),
+        ("omega_B", ("w_drift", "body rate that the gyro has at rest"), ("w_x", "gyros")),
+    ],
+)
+def test_what_is_told_to_be_a_reference_an_earlier_value_or_of_the_orbit_goes_last(tmp_path, port, other, chosen):
+    for ports in ((other, chosen), (chosen, other)):
+        line = entry(tmp_path, "controller", port, *ports)
+        assert chosen[0] in line.replace(",", " ").replace("theirs:", " ").split(), line
+    alone = entry(tmp_path, "controller", port, other)
+    assert other[0] in alone
+    assert "# unsure" in alone
+    assert "their words tell a" in alone
+
+
+@pytest.mark.parametrize(
+    ("name", "description", "form"),
+    [
+        ("a_rpy", "roll, pitch, yaw", "euler xyz"),
+        ("a_euler", "Euler angles 3-2-1: roll, pitch, yaw", "euler xyz"),
+        ("a_euler", "Euler angles 3-2-1: yaw, pitch, roll", "euler ZYX"),
+        ("a_euler", "Euler angles 3-1-2", "euler ZXY"),
+    ],
+)
+def test_roll_pitch_and_yaw_in_this_order_are_the_angles_about_fixed_axes(tmp_path, name, description, form):
+    """Rz(yaw) Ry(pitch) Rx(roll), whichever angle stands first."""
+    assert f"rotation: {form}" in entry(tmp_path, "controller", "R_NB", (name, description))
+
+
 def test_nine_scalars_are_a_matrix_however_their_rows_and_columns_are_written():
     class Scalars:
         def __init__(self, names):
