@@ -44,3 +44,26 @@ def test_what_was_written_beforehand_is_said_and_nothing_false(kind, seed, flavo
     verdict = judge(case, path, ours)
     assert not verdict.false
     assert (verdict.proposed, verdict.named) in ((True, None), (None, True)), verdict.said
+
+
+@pytest.mark.parametrize(
+    ("number", "pair"),
+    [
+        (42, ["saturated", "rate in N, untold"]),
+        (45, ["position along the Earth's axes", "rate relative to LVLH"]),
+        (60, ["single precision", "rate relative to LVLH"]),
+        (75, ["position along the Earth's axes", "left-handed port, untold"]),
+        (121, ["position along the Earth's axes", "unit, untold"]),
+    ],
+)
+@pytest.mark.thorough
+def test_pairs_that_were_missed_once_are_named(number, pair, tmp_path):
+    ours = read(SCENARIO)
+    opened = open_scenario(load(ours))
+    case = kinds.make(1000 * 9204 + number, pair, units=True)
+    block = case.vendor.block
+    starts = [(start.element, start.value) for start in opened.plan.starts[block]]
+    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus[block], starts, "FMI 2")
+    verdict = judge(case, path, ours)
+    assert verdict.named, verdict.said
+    assert not verdict.false

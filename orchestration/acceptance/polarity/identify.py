@@ -149,7 +149,7 @@ class Identifier:
 
     def _candidates(self, name: str) -> list[Wrong]:
         port = self.ports[name]
-        tried = wrongs(port)
+        tried = wrongs(port, True)
         if name in self.quaternions:
             turns = [w for w in tried if w.turn is not None or w.name == "transposed"]
             return [_of_the_inverse(w) if self.quaternions[name] else w for w in turns]
@@ -272,7 +272,7 @@ def minus_of(wrong: Wrong) -> int:
 
 def _finals(port: Port) -> tuple[list[Wrong | None], Floats, Floats]:
     """Returns changes of an output, first none: axes and signs, each also with a usual factor; matrices, and costs."""
-    every = [w for w in wrongs(port) if w.matrix is not None]
+    every = [w for w in wrongs(port, True) if w.matrix is not None]
     n = len(port.positions)
     turned = [w for w in every if w.kind in ("axes", "sign")] if port.kind in ("vector", "scalar") else []
     units = [w for w in every if w.kind == "unit"]

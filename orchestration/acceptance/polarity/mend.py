@@ -26,7 +26,7 @@ from .fly import Found, Loop
 from .identify import SAME
 from .ports import Port
 from .search import SECONDS, SMALL, identify
-from .wrongs import USUAL, Wrong, left_handed, wrongs
+from .wrongs import RARE, USUAL, Wrong, left_handed, wrongs
 
 _FACTOR = 1e-6
 """How near a factor has to be to that of a usual unit."""
@@ -106,7 +106,7 @@ def named(port: Port, change: Wrong) -> str:
     if change.matrix is None:
         return change.name
     undone = np.linalg.inv(change.matrix)
-    known = (w for w in wrongs(port) if w.matrix is not None and np.allclose(w.matrix, undone, rtol=_FACTOR))
+    known = (w for w in wrongs(port, True) if w.matrix is not None and np.allclose(w.matrix, undone, rtol=_FACTOR))
     return next((w.name for w in known), change.name)
 
 
@@ -157,7 +157,7 @@ def _quaternion(entry: PortMap, change: Wrong) -> dict[str, Any]:
 def _with_factor(data: dict[str, Any], size: float, port: Port, declared: float) -> dict[str, Any]:
     """Returns the entry with another unit of theirs, where a usual one has the factor; else with a scale."""
     wanted = (parse_unit(data["unit"]).factor if "unit" in data else declared) / size
-    for family in USUAL:
+    for family in (*USUAL, *RARE):
         for name in family:
             unit = parse_unit(name)
             if (

@@ -36,6 +36,8 @@ _LARGE, _MOST_LEFT = 0.3, 0.15
 """A wiring that leaves so much at most of a difference larger than that is flown, and named where all is met."""
 _SOME = 12
 """So many of the nearest wirings are tried on theirs."""
+_FINER = 8
+"""Of the wirings nearest with an angle of a coarse grid so many are looked at with a finer one."""
 _MIRROR = 1.5 * CHANGE
 """What one mirror of several inputs counts as difference, so that a turn with the opposite sign of one port is taken:
 where both serve equally, axes that are left-handed are the less likely."""
@@ -290,12 +292,16 @@ class Search(Identifier):
         made: dict[tuple[str, ...], _Framed] = {}
         for reading in [*every, *of_two(every)]:
             some = [{}] if reading.behind is not None else wirings[:_SOME] if reading.small else wirings
-            near: list[tuple[Score, Changes]] = []
+            coarse: list[tuple[Score, Changes, tuple[float, ...]]] = []
             for changes in some:
-                scores = [self._read_so(reading, changes, start) for start in reading.starts[::2]]
-                near.append((min(scores, key=lambda score: score.cost), changes))
+                scores = [(self._read_so(reading, changes, start), start) for start in reading.starts[::2]]
+                score, start = min(scores, key=lambda pair: pair[0].cost)
+                coarse.append((score, changes, start))
                 if clock() > ends:
                     break
+            coarse.sort(key=lambda one: one[0].cost)
+            chosen = [*coarse[:_FINER], *(one for one in coarse[_FINER:] if not one[1])]
+            near = [(self._finer(reading, *one), one[1]) for one in chosen]
             near.sort(key=lambda pair: pair[0].cost)
             for score, changes in [*near[:3], *(pair for pair in near[3:] if not pair[1])]:
                 for one in {bool(score.outputs): score, False: Score(score.error, score.cost)}.values():
@@ -304,6 +310,16 @@ class Search(Identifier):
                     least = min(one, known.score, key=lambda score: score.cost)
                     made[key] = _Framed(least, changes, [*known.frames, reading])
         return sorted(made.values(), key=lambda one: one.score.cost)
+
+    def _finer(self, reading: Reading, score: Score, changes: Changes, start: tuple[float, ...]) -> Score:
+        """Returns the score at an angle near one of a coarse grid, where the reading has one angle on a circle."""
+        if len(reading.starts) < 2 or len(start) != 1:
+            return score
+        angle = start[0]
+        for step in np.radians((12.0, 6.0, 3.0, 1.5, 0.75, 0.4)):
+            tried = [(self._read_so(reading, changes, (a,)), a) for a in (angle - step, angle + step)]
+            score, angle = min([(score, angle), *tried], key=lambda pair: pair[0].cost)
+        return score
 
     def _read_so(self, reading: Reading, changes: Changes, unknowns: tuple[float, ...]) -> Score:
         """Returns how far theirs is from ours that reads its inputs in another frame and with a wiring."""

@@ -43,6 +43,8 @@ USUAL: tuple[tuple[str, ...], ...] = (
     ("s", "ms"),
 )
 """Units of one quantity that are taken for each other."""
+RARE: tuple[tuple[str, ...], ...] = (("N.m", "uN.m"),)
+"""And those that are looked for besides where another team's FMU is explained."""
 
 
 @dataclass(frozen=True)
@@ -116,8 +118,8 @@ def signed_permutations() -> tuple[tuple[str, Floats], ...]:
     return tuple(made)
 
 
-def wrongs(port: Port) -> list[Wrong]:
-    """Returns the wrong wirings of a port."""
+def wrongs(port: Port, rare: bool = False) -> list[Wrong]:
+    """Returns the wrong wirings of a port; with `rare` those by units that are seldom taken for its own, too."""
     n = len(port.positions)
     if port.kind == "other":
         return []
@@ -134,24 +136,24 @@ def wrongs(port: Port) -> list[Wrong]:
         made += [Wrong(name, "axes", matrix) for name, matrix in signed_permutations()[1:]]
     else:
         made += _elements(n)
-    return made + factors(port.unit, n)
+    return made + factors(port.unit, n, rare)
 
 
-def factors(unit: Unit, n: int) -> list[Wrong]:
+def factors(unit: Unit, n: int, rare: bool = False) -> list[Wrong]:
     """Returns the wrong wirings by usual units that are taken for this one, both ways."""
     made: dict[float, Wrong] = {}
-    for name, factor in usual_factors(unit):
+    for name, factor in usual_factors(unit, rare):
         if not any(abs(factor / known - 1.0) < 1e-6 for known in (1.0, *made)):
             made[factor] = Wrong(name, "unit", factor * np.eye(n))
     return list(made.values())
 
 
-def usual_factors(unit: Unit) -> list[tuple[str, float]]:
+def usual_factors(unit: Unit, rare: bool = False) -> list[tuple[str, float]]:
     """Returns by what a number of this unit is multiplied where it is taken for a usual other one, and words for it."""
     if unit.exponents in (None, ONE.exponents):
         return []
     found = []
-    for family in USUAL:
+    for family in (*USUAL, *RARE) if rare else USUAL:
         units = [parse_unit(name) for name in family]
         if units[0].exponents != unit.exponents:
             continue
