@@ -43,7 +43,10 @@ def extended(source: Source, within: tuple[Path, ...] = (), left: Iterator[int] 
     merged = Source({}, source.file, source.folder, {(): source.lines.get((), 1)} if source.file else {})
     for number, name in enumerate(names):
         key = ("extends", number) if given is names else ("extends",)
-        _lay(merged, _part(source, key, name, within, left))
+        part = _part(source, key, name, within, left)
+        _lay(merged, part)
+        merged.under |= part.under | {part.file or "": part.under.get(part.file or "", frozenset())}
+    merged.under[source.file or ""] = frozenset(merged.under)
     _lay(merged, source)
     _forget(merged, ("extends",), merged.data.pop("extends"))
     merged.options = dict(source.options)

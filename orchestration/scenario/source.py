@@ -57,8 +57,16 @@ class Source:
     """Where stands what was put in from another file."""
     files: dict[Key, str] = field(default_factory=dict)
     """The file of what stands in none of its own, but in one that it extends."""
+    under: dict[str, frozenset[str]] = field(default_factory=dict)
+    """By file: the files that lie under it, since it extends them or what it extends does."""
     notes: tuple[str, ...] = ()
     """What a run should tell of data that were put in the place of others."""
+
+    def lies_under(self, key: Key, other: Key) -> bool:
+        """Whether what stands at a key could be known where the other was written: in its file, or in one under it."""
+        if other in self.options or (file := self.files.get(other, self.file)) == self.file:
+            return True
+        return key not in self.options and self.files.get(key, self.file) in {file, *self.under.get(file or "", ())}
 
     def place(self, key: Key) -> Place:
         """Returns the place of the innermost part of a key that is known: a line of a file, or an option."""

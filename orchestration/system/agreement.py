@@ -42,24 +42,22 @@ def notes(scenario: Scenario, models: Mapping[str, Model], starts: Mapping[str, 
 def _meant(scenario: Scenario, models: Mapping[str, Model]) -> dict[str, set[str]]:
     """Returns by block which names under its `differs` hold.
 
-    Those of a file that this one extends speak of the values there: they hold no more where one is given above it.
+    Those of a file speak of the values there and under it: they hold no more where one is given above or beside it.
     """
     source = scenario.source
-
-    def stands_here(key: Key | None) -> bool:
-        return key is not None and (key in source.options or source.files.get(key) in (None, source.file))
-
-    above = set[str]()
+    given: dict[str, list[Key]] = {}
     for block, model in models.items():
-        given = scenario.given(block)
+        keys = scenario.given(block)
         for variable in model.of("parameter"):
-            if variable.quantity and stands_here(given.get(variable.name) or given.get(variable.quantity)):
-                above |= {variable.quantity, variable.name}
+            key = keys.get(variable.name) or keys.get(variable.quantity or "")
+            if variable.quantity and key:
+                for name in {variable.quantity, variable.name}:
+                    given.setdefault(name, []).append(key)
     return {
         block: {
             name
             for number, name in enumerate(entry.differs)
-            if name not in above or stands_here(("blocks", block, "differs", number))
+            if all(source.lies_under(key, ("blocks", block, "differs", number)) for key in given.get(name, ()))
         }
         for block, entry in scenario.blocks.items()
     }

@@ -79,8 +79,19 @@ def test_what_an_extended_file_means_to_differ_is_told_where_values_of_this_one_
     upper.write_text("extends: lower.yaml\nname: upper\nshared: {dipole_max: 3 A.m2}\n")
     (told,) = notes(upper)
     assert "allocator.dipole_max = 9 A.m2" in told
+    top = tmp_path / "top.yaml"
+    top.write_text("extends: upper.yaml\n")
+    assert notes(top) == [told]
+    top.write_text("extends: upper.yaml\nblocks: {allocator: {start: {dipole_max: 3}}}\n")
+    assert notes(top) == []
+    beside = tmp_path / "beside.yaml"
+    beside.write_text("shared: {dipole_max: 3 A.m2}\n")
+    top.write_text("extends: [lower.yaml, beside.yaml]\n")
+    assert notes(top) == [told]
     upper.write_text(upper.read_text() + "blocks: {allocator: {differs: [dipole_max]}}\n")
     assert notes(upper) == []
+    top.write_text("extends: upper.yaml\n")
+    assert notes(top) == []
 
 
 def test_an_allocator_left_at_25_beside_a_plant_of_10_is_warned_of_in_summary_and_manifest(tmp_path):
