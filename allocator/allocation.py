@@ -21,6 +21,8 @@ FIELD_MIN = 1e-12
 """T. A field below a thousandth of a nanotesla has no direction to allocate by."""
 B_WHEEL_MIN = 1e-9
 """|b1| below which [20] is a division by rounding errors."""
+ACROSS_MIN = 1e-3
+"""Share of the demand across the field; n from a smaller one has its rounding errors."""
 RANK_MIN = 1e-12
 """det(A^T A) below which the rods span only a line across the field."""
 
@@ -68,11 +70,11 @@ def plane(b_hat_B: Array, tau_B: Array) -> tuple[Array, Array]:
     """An orthonormal basis n, c of the plane across the field [21]: n = unit(tau - (tau . b) b), c = b x n.
 
     The least-norm dipole [24] does not depend on the basis, so where tau_B has no part across the field
-    (to 1e-12 of its size) n comes from the body axis most nearly across the field instead.
+    (ACROSS_MIN of its size) n comes from the body axis most nearly across the field instead.
     """
     tau, b = tau_B.tolist(), b_hat_B.tolist()
     across = _across(tau, b)
-    if not (length := math.hypot(*across)) > 1e-12 * math.hypot(*tau):
+    if not (length := math.hypot(*across)) > ACROSS_MIN * math.hypot(*tau):
         axis = [0.0, 0.0, 0.0]
         axis[np.abs(b_hat_B).argmin()] = 1.0
         across = _across(axis, b)

@@ -330,6 +330,22 @@ def rules() -> None:
 
 
 @main.command()
+@click.option(
+    "--cases", default=100_000, show_default=True, type=click.IntRange(3, 10_000_000), help="Samples of each block."
+)
+def rounding(cases: int) -> None:
+    """Bound the rounding errors of controller and allocator, measure them, and make docs/evidence/rounding.md.
+
+    Needs the package python-flint (pip install python-flint).
+    """
+    if find_spec("flint") is None:
+        raise InputError("the package python-flint is not installed; remedy: pip install python-flint")
+    from .rounding.make import make  # python-flint, which this command alone needs  # noqa: PLC0415
+
+    say(f"written: {make(cases)}")
+
+
+@main.command()
 @click.argument("numbers", metavar="[NUMBER]...", nargs=-1, type=int)
 def planted(numbers: tuple[int, ...]) -> None:
     """Plant the faults of tests/evidence/proofs/planted.yaml, one at a time: each has to be found by its proof."""
