@@ -6,7 +6,7 @@
 static const double FIELD_MIN = 1e-12;  /* T; a weaker field has no direction to allocate by */
 static const double B_WHEEL_MIN = 1e-9; /* |b1| below which [20] divides by rounding errors */
 static const double RANK_MIN = 1e-12;   /* det(A^T A) below which the rods span only a line across the field */
-static const double ACROSS_MIN = 1e-3;  /* share of the demand across the field; a smaller one has its rounding errors */
+static const double ACROSS_MIN = 1e-3;  /* share of the demand across the field; a smaller one has rounding errors */
 static const double FRACTION_CAP = 1e6; /* largest demand over limit that is reported */
 
 typedef struct {
