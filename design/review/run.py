@@ -12,6 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from time import perf_counter, process_time
 
+from orchestration import InputError
 from orchestration.scenario.source import Source
 from orchestration.session.read import load, read
 from orchestration.session.run import whole
@@ -92,13 +93,18 @@ def review(
 
 
 def speed(found: Facts, source: Source) -> float:
-    """Returns how many steps a second a processor flies of the file's own tumble, whatever else it does."""
+    """Returns how many steps a second a processor flies of the file's own tumble, whatever else it does.
+
+    Raises InputError where the tumble has no first sample.
+    """
     source = source.without([(name,) for name in ("record", "expect", "figures", "live", "timeline", "faults")])
     duration = (SAMPLE if found.wheels else SAMPLE_RODS) * found.period
     for seconds in (min(60.0, duration), duration):  # the first loads
         scenario = load(source.with_value("duration", f"{seconds:.6g} s", "review"))
         begun = process_time()
         flown = whole(scenario)
+        if flown.failure is not None and not len(flown.time):
+            raise InputError(f"{found.file}: {flown.failure}")
     return float(flown.time[-1]) / scenario.step / max(process_time() - begun, 1e-3)
 
 
