@@ -16,7 +16,6 @@ from ...scenario.source import Source
 from ..compare import Comparison
 from ..polarity.fly import Loop
 from ..robustness import Trial
-from .balance import NAMES as BALANCE
 from .balance import balance
 from .estimate import estimate
 from .field import field
@@ -37,7 +36,7 @@ def judge(ours: Source, theirs: Source, comparison: Comparison) -> list[Trial]:
     loop = Loop(ours)
     ports = {v.name for v in loop.plan.models[block].of("input", "output")}
     if ports >= _PLANT:
-        return list(plant(_thinned(loop, comparison.theirs, block), bool(loop.plan.scenario.faults)))
+        return list(plant(_played(loop, comparison)))
     if ports >= _ESTIMATOR:
         truth = _plant_of(loop)
         true = _thinned(loop, comparison.theirs, block, truth) if truth else Signals(comparison.theirs.time, {})
@@ -47,8 +46,8 @@ def judge(ours: Source, theirs: Source, comparison: Comparison) -> list[Trial]:
     return []
 
 
-def plant(of: Signals, faults: bool = False) -> Iterator[Trial]:
-    """Yields what a plant keeps; its actuators are not judged in a run with faults."""
+def plant(of: Signals) -> Iterator[Trial]:
+    """Yields what a plant keeps."""
     if len(of.time) < _FEWEST:
         return
     made = list(motion(of))
@@ -57,9 +56,6 @@ def plant(of: Signals, faults: bool = False) -> Iterator[Trial]:
     falling = all(one.status != "failed" for one in made[2:4])
     known = field(of, turning, falling)
     yield known
-    if faults:
-        yield from (Trial(name, "", "the scenario has faults") for name in BALANCE)
-        return
     model = None
     if known.status == "failed" and falling:
         model = _model(of)
@@ -74,6 +70,18 @@ def _model(of: Signals) -> np.ndarray | None:
     rows = np.unique(np.linspace(0, len(of.time) - 1, max(24, int(of.time[-1] / 30))).astype(int))
     known = earth.at(of.time[rows], of.values["r_N"][rows])
     return np.stack([np.interp(of.time, of.time[rows], known[:, i]) for i in range(3)], axis=1)
+
+
+def _played(loop: Loop, comparison: Comparison) -> Signals:
+    """Returns what a block was given and gave on the inputs of ours: no other block fails by what it gives."""
+    block, played = comparison.block, comparison.played
+    known = _thinned(loop, comparison.ours, block)
+    model = loop.plan.models[block]
+    outputs = {n: v for n, v in played.outputs.items() if n in model.variables and len(v)}
+    count = min((len(values) for values in outputs.values()), default=0)
+    values = {v.name: known.values[v.name] for v in model.of("input") if v.name in known.values}
+    values |= {n: v.astype(float).reshape(len(v), *model.variables[n].shape) for n, v in outputs.items()}
+    return Signals(known.time[:count], {n: v[:count] for n, v in values.items()}, known.told)
 
 
 def _thinned(loop: Loop, run: RunData, block: str, of: str | None = None) -> Signals:

@@ -15,9 +15,12 @@ from fmus.field import EarthField
 from orchestration.acceptance.accept import accept
 from orchestration.acceptance.check import check
 from orchestration.acceptance.itself.block import plant
+from orchestration.acceptance.itself.estimate import NAMES as ESTIMATES
+from orchestration.acceptance.itself.estimate import estimate
 from orchestration.acceptance.itself.signals import Signals, signals, told
 from orchestration.acceptance.robustness import Trial
 from orchestration.acceptance.suggest import suggest
+from orchestration.scenario.source import Source
 from orchestration.session.open import open_scenario
 from orchestration.session.read import load, read
 from orchestration.session.run import whole
@@ -237,24 +240,48 @@ def team(block: str, path: Path, change: Callable[[Vendor], None]) -> Path:
     return wrapper.pack(path, vendor, opened.fmus[block], starts)
 
 
-def accepted(block: str, path: Path) -> dict[str, Trial]:
+def accepted(block: str, path: Path, source: Source | None = None) -> dict[str, Trial]:
     fitted = check(path, block)[1]
     assert fitted is not None
     mapping = path.with_suffix(".yaml")
     mapping.write_text(suggest(fitted), "utf-8")
-    made = accept(path, block, mapping, read(SCENARIO), block)
+    made = accept(path, block, mapping, source or read(SCENARIO), block)
     return {one.name: one for one in made.requirements}
 
 
-def test_accept_tells_a_vendors_plant_its_inertia(tmp_path):
-    def heavier(vendor: Vendor) -> None:
-        vendor.changed.update({("J_B", i): 1.25 for i in range(9)})
+def _scaled(port: str, by: float | np.ndarray) -> Callable[[Vendor], None]:
+    def change(vendor: Vendor) -> None:
+        vendor.port(port).A = by * vendor.port(port).A if isinstance(by, float) else by @ vendor.port(port).A
 
-    found = accepted("plant", team("plant", tmp_path / "plant.fmu", heavier))
-    assert found[MOMENTUM].status == "failed"
-    assert "its inertia is 1.25 times J_B" in found[MOMENTUM].text
-    for name in (TURNS, MOVES, FALLS, FIELD, WHEEL):
-        assert found[name].status == "met", found[name]
+    return change
+
+
+def _heavier(vendor: Vendor) -> None:
+    vendor.changed.update({("J_B", i): 1.25 for i in range(9)})
+
+
+TEAMS: dict[str, tuple[Callable[[Vendor], None], str, str]] = {
+    "inertia": (_heavier, MOMENTUM, "its inertia is 1.25 times J_B"),
+    "velocity in km/s": (_scaled("v_N", 1e-3), MOVES, "v_N is in km/s"),
+    "field along other axes": (_scaled("b_B", AXES.T), FIELD, "b_B has other axes or signs: +y -x +z"),
+    "torque of the wheel on the body": (_scaled("wheel_torque_cmd", -1.0), WHEEL, "times -1: the opposite sign"),
+    "epoch": (lambda vendor: None, FIELD, "-20 days"),
+}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", TEAMS)
+def test_accept_tells_of_a_vendors_plant_what_is_planted(name, tmp_path):
+    change, trial, words = TEAMS[name]
+    source = read(SCENARIO)
+    if name == "epoch":  # theirs has that of its start, and no parameter for it
+        source = source.with_entry(("shared", "epoch"), "2009-08-30T00:00:00Z")
+    found = accepted("plant", team("plant", tmp_path / "plant.fmu", change), source)
+    assert found[trial].status == "failed", found
+    assert words in found[trial].text
+    others = {n: found[n] for n in (TURNS, MOVES, FALLS, FIELD, WHEEL, MOMENTUM) if n != trial}
+    said = [one.text for one in others.values() if one.status == "failed" and "(leaves" in one.text]
+    assert all("place of b_B" in text for text in said), said
 
 
 def test_accept_tells_that_a_controllers_torque_turns_the_body_on(tmp_path):
@@ -275,3 +302,42 @@ def test_accept_shows_a_right_controllers_steps_beside_ours(tmp_path):
         assert one.status == "met"
         theirs, ours = one.text.split("; ours ")
         assert theirs == ours
+
+
+# ---------------------------------------------------------------- an estimator
+
+
+@pytest.fixture(scope="module")
+def estimated() -> tuple[Signals, Signals]:
+    """What our estimator was given and gave in the first quarter of an hour of a tumble, and the truth."""
+    source = read(SCENARIO.with_name("flight_estimated.yaml")).with_entry(("duration",), "900 s")
+    source = source.without([("expect",), ("figures",)])
+    source = source.with_entry(("record",), {"signals": ["estimator.*", "sensors.*", "plant.R_NB"]})
+    opened = open_scenario(load(source))
+    result = whole(load(source))
+    starts = {start.element: start.value for start in opened.plan.starts["plant"]}
+    parts = []
+    for block in ("estimator", "plant"):
+        of = signals(result, block)
+        parts.append(Signals(of.time[::5], {n: v[::5] for n, v in of.values.items()}))
+    measured = {n: np.asarray(result[f"sensors.{n}"], float)[::5] for n in ("b_B_measured", "r_N_measured")}
+    return changed(parts[0], **measured), replace(parts[1], told=told(opened.plan.models["plant"], starts))
+
+
+def test_our_estimator_keeps_all(estimated):
+    assert [one.status for one in estimate(*estimated)] == ["met"] * 3
+
+
+def test_what_is_planted_in_an_estimator_is_told(estimated):
+    of, truth = estimated
+    R = of.values["R_NB"]
+    off = Rotation.from_euler("x", 8.0, degrees=True).as_matrix()
+    planted = (
+        ({"R_NB": R.transpose(0, 2, 1)}, 0, "R_NB is from N to B (transposed)"),
+        ({"omega_B": np.degrees(of.values["omega_B"])}, 0, "omega_B is in deg/s"),
+        ({"R_NB": R @ off}, 2, "within the bound that it states at 0 %"),
+    )
+    for change, trial, words in planted:
+        found = {one.name: one for one in estimate(changed(of, **change), truth)}
+        assert found[ESTIMATES[trial]].status == "failed"
+        assert words in found[ESTIMATES[trial]].text
