@@ -121,9 +121,9 @@ def held(
     frames = [controller.reference.lvlh(*p.orbit.position_velocity(t)) for t in times]
     B = np.array([frame.R_d.T @ p.field.at(t) for frame, t in zip(frames, times, strict=True)])
     axis, n = np.asarray(p.wheel_axes[0], float), np.array(frames[0].Omega_d)
-    J, rods, share = np.asarray(p.body.J), np.asarray(p.rod_axes)[list(works)], float(wheel)
-    limits = share * p.wheel_torque_max, share * p.wheel_momentum_max
-    return Held(J, rods, DUTY * p.dipole_max, axis, *limits, n, np.array(disturbance)), B
+    J, rods = np.asarray(p.body.J), np.asarray(p.rod_axes)[list(works)]
+    torque, momentum = (p.wheel_torque_max, p.wheel_momentum_max) if wheel else (0.0, 0.0)
+    return Held(J, rods, DUTY * p.dipole_max, axis, torque, momentum, n, np.array(disturbance)), B
 
 
 def of_satellite(name: str, changes: Mapping[str, float] | None = None) -> plant.Parameters:

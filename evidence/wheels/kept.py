@@ -9,9 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import plant
 from orchestration.campaign.flying.rows import Rows
 
 from ..flight.cases import HOLD
+from ..health.stuck_on import INTERVAL, held, least_angle
 from ..paper import Array
 from ..satellites.classes import CLASSES
 from .bound import fullest_wheel, plants
@@ -44,6 +46,9 @@ class Flown:
     fill: float
     """Of a healthy tumble that does not settle: what the fullest wheel needs at least in the last two orbits, of its
     limit (bound.py)."""
+    least_angle: float
+    """Of rods alone: the least largest angle of an orbit and a half from the hold's begin on that any use of them
+    allows, deg (evidence/health/stuck_on.py)."""
 
     @property
     def settled(self) -> bool:
@@ -63,6 +68,8 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
     wheel, lost = rows.numbers("wheel"), CONDITIONS[flights.condition].lost
     for i, run in enumerate(rows.index.tolist()):
         lost_hold = lost == 0 and not math.isfinite(five[i])
+        rods_alone = lost == flights.wheels
+        here = plants(flights, run + 1)[run] if lost_hold or rods_alone else None
         yield Flown(  # settled within the last HOLD counts as never
             flights.satellite,
             flights.condition,
@@ -76,8 +83,14 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
             value["wheel_max"][i] / CLASSES[flights.satellite].wheel_momentum_max,
             math.nan if run >= len(bounds) or bounds[run] is None else float(bounds[run] or 0.0),
             *found_in([value[f"found_{k}"][i] for k in range(4)], int(wheel[i]), lost, flights.wheels),
-            fullest_wheel(plants(flights, run + 1)[run], DURATION - 2.0 * ORBIT, DURATION) if lost_hold else math.nan,
+            fullest_wheel(here, DURATION - 2.0 * ORBIT, DURATION) if here and lost_hold else math.nan,
+            _by_rods(here) if here and rods_alone else math.nan,
         )
+
+
+def _by_rods(p: plant.Parameters) -> float:
+    satellite, field = held(p, range(3), p.disturbance_torque_B.tolist(), wheel=False, begin=DURATION - ORBIT)
+    return math.degrees(least_angle(satellite, field, np.zeros(3), INTERVAL))
 
 
 def found_in(times: Sequence[float], wheel: int, lost: int, wheels: int) -> tuple[float, int]:

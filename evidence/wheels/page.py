@@ -34,7 +34,12 @@ def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long]) ->
         one_of_four=_count([f for f in flown if f.condition == "one dead" and len(WHEELS[f.satellite]) == 4]),
         one_of_three=_count([f for f in flown if f.condition == "one dead" and len(WHEELS[f.satellite]) == 3]),
         one_left=_count([f for f in flown if f.condition == "two dead"]),
-        none_left=_count([f for f in flown if f.condition == "all dead"]),
+        alone=_alone([f for f in flown if f.condition == "all dead"]),
+        rods=[
+            (str(f.run), f"{f.inclination:.0f}°", degrees(f.hold_rms), degrees(f.hold_max), degrees(f.least_angle))
+            for f in flown
+            if f.condition == "all dead"
+        ],
         others=_count([f for f in flown if f.condition in ("one weak", "one reversed", "one stuck", "one drags")]),
         lost=[
             (f.satellite, CONDITIONS[f.condition].text, str(f.run), f"{f.inclination:.0f}°", f"{f.fill:.2f}")
@@ -78,6 +83,12 @@ def _hold(flown: Sequence[Flown], condition: str, limit: float) -> str:
     return f"{CONDITIONS[condition].text}: below {limit:g}° rms in {met} of {len(settled)}, worst {worst}"
 
 
+def _alone(flown: Sequence[Flown]) -> list[str]:
+    """The hold of rods alone, rms at the median and the largest, and the median of what any use of them allows."""
+    kinds = ((_median, "hold_rms"), (max, "hold_max"), (_median, "least_angle"))
+    return [degrees(f(getattr(x, name) for x in flown)) for f, name in kinds] if flown else []
+
+
 def _rows(flown: Sequence[Flown], satellite: str) -> list[list[str]]:
     rows = []
     for text, those in _kinds(flown, satellite, failed=False):
@@ -91,6 +102,8 @@ def _rows(flown: Sequence[Flown], satellite: str) -> list[list[str]]:
 def _failed(flown: Sequence[Flown], satellite: str) -> list[list[str]]:
     rows = []
     for text, those in _kinds(flown, satellite, failed=True):
+        if those[0].condition == "all dead":  # has a table of its own
+            continue
         found = [f.found for f in those if math.isfinite(f.found)]
         when = [f"{f(found):,.0f}" if found else "–" for f in (_median, max)]
         told = [f"{len(found)} of {len(those)}", *when, str(sum(f.others for f in those))]

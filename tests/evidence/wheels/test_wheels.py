@@ -46,7 +46,7 @@ def test_a_tumble_that_the_wheels_hold_has_no_least_time_and_one_that_they_do_no
 
 def flown(satellite: str, condition: str, run: int, settled: float, **more: float) -> Flown:
     values = {"inclination": 50.0, "rate": 3.0, "hold_rms": 0.004, "hold_max": 0.01, "wheel_share": 0.3} | more
-    rest = {"least_time": math.nan, "found": math.nan, "others": 0, "fill": math.nan}
+    rest = {"least_time": math.nan, "found": math.nan, "others": 0, "fill": math.nan, "least_angle": math.nan}
     return Flown(satellite, condition, run, settled_5=settled, settled_1=settled, **rest | values)
 
 
@@ -54,6 +54,7 @@ def test_a_flight_that_does_not_settle_counts_and_its_row_has_no_such_times():
     lines = [flown("50 kg", "nominal", 0, 100.0, least_time=80.0), flown("50 kg", "nominal", 1, 300.0)]
     lines += [flown("50 kg", "estimated", 0, math.inf, fill=0.24), flown("50 kg", "estimated", 1, 500.0, hold_rms=0.03)]
     lines += [flown("3U", "one dead", 0, 900.0, found=20.0), flown("12U", "one dead", 0, math.inf, found=math.inf)]
+    lines += [flown("3U", "all dead", 0, math.inf, hold_rms=6.0, hold_max=9.0, least_angle=5.0)]
     slews = [Slew("12U", 90, i, 20.0, settled) for i, settled in enumerate((21.0, 25.0, 25.5))]
     text = page.text(lines, slews, [Long(DAY, "3U", 0.004, 0.01, 0.5)])
     assert "**Healthy, 3 of 4 tumbles settle**" in text
@@ -62,6 +63,10 @@ def test_a_flight_that_does_not_settle_counts_and_its_row_has_no_such_times():
     assert "at the median 1.2, at most 1.2, of 1" in text
     assert "| 12U | a wheel dead | 0 of 1 | – | – | – | – | 0 of 1 | – | – | 0 |" in text
     assert "| 50 kg | all errors, attitude estimated with the star tracker | 0 | 50° | 0.24 |" in text
+    assert (
+        "rods alone hold a 3U to 6° rms at the median, 9° at most; the least that any use of them reaches is 5°" in text
+    )
+    assert "| 0 | 50° | 6° | 9° | 5° |" in text
     assert "2 of 3 slews end within" in text
     assert "| 12U | 4 | 90° | 2 of 3 | 1.20 | 1.23 |" in text
     assert next(row for row in text.splitlines() if "estimated with" in row and row.startswith("| 50")).count("–") == 2

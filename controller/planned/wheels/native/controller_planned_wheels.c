@@ -67,6 +67,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     y->phase = x->phase;
     y->reduced = s->reduced;
     store(x->disturbance_B, y->disturbance_B);
+    store((Vector){1.0, 1.0, 1.0}, y->rod_gains_estimate);
 }
 
 bool controller_planned_wheels_outputs(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,

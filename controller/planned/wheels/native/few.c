@@ -51,8 +51,10 @@ ControllerPlannedParameters controller_planned_wheels_few_parameters(const Contr
     return of;
 }
 
-/* What the plan sees: the field, the orbit, and the wheel that works. */
-static ControllerPlannedInputs seen(const ControllerPlannedWheelsInputs *u, int32_t few)
+/* What the plan sees: the field, the orbit, and the wheel that works. That gave what was asked for: the friction that
+ * the command has beside it is the allocator's. */
+static ControllerPlannedInputs seen(const ControllerPlannedWheelsInputs *u, const ControllerPlannedWheelsState *x,
+                                    int32_t few)
 {
     static const double absent = 1e9; /* not connected */
     ControllerPlannedInputs of = {.attitude_bound = absent, .rate_health = -1, .field_health = -1};
@@ -63,9 +65,8 @@ static ControllerPlannedInputs seen(const ControllerPlannedWheelsInputs *u, int3
     store(vector(u->b_B), of.b_B);
     store((Vector){absent, absent, absent}, of.attitude_sigma_B);
     of.h_w = few <= WHEELS_MAX ? u->h_w[few - 1] : 0.0;
-    for (int i = 0; i < CONTROLS; ++i) {
-        of.u_applied[i] = absent;
-    }
+    store(vector(u->dipole_applied), of.u_applied);
+    of.u_applied[3] = controller_planned_wheels_has_dipole_applied(u) ? x->planned.held.wheel_torque_ff : absent;
     store_matrix(matrix(u->R_ref), of.R_ref);
     store(vector(u->Omega_ref), of.Omega_ref);
     store(vector(u->dOmega_ref), of.dOmega_ref);
@@ -98,6 +99,7 @@ static void give(const ControllerPlannedOutputs *of, int32_t few, ControllerPlan
     y->phase = of->phase;
     y->reduced = true;
     store(vector(of->disturbance_B), y->disturbance_B);
+    store(vector(of->rod_gains_estimate), y->rod_gains_estimate);
 }
 
 static void prepare(ControllerPlannedWheelsLaw *law, int32_t few)
@@ -113,7 +115,7 @@ bool controller_planned_wheels_step_few(ControllerPlannedWheelsLaw *law, int32_t
                                         const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsState *x,
                                         ControllerPlannedWheelsOutputs *y, Fault *f)
 {
-    ControllerPlannedInputs now = seen(u, few);
+    ControllerPlannedInputs now = seen(u, x, few);
     ControllerPlannedOutputs given;
     prepare(law, few);
     const bool begins = first || x->few != few;
@@ -145,7 +147,7 @@ bool controller_planned_wheels_outputs_few(ControllerPlannedWheelsLaw *law, cons
                                            const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
                                            Fault *f)
 {
-    const ControllerPlannedInputs now = seen(u, x->few);
+    const ControllerPlannedInputs now = seen(u, x, x->few);
     ControllerPlannedOutputs given;
     prepare(law, x->few);
     if (!controller_planned_outputs(&law->planned, &x->planned, &now, &given, f)) {

@@ -10,7 +10,11 @@ static const double RODS_TURN = 0.3;   /* of the momentum J/T that a reduced set
 static bool is_finite_input(const ControllerPlannedWheelsInputs *u, Fault *f)
 {
     const NamedVector given[] = {
-        {"b_B", vector(u->b_B)}, {"Omega_ref", vector(u->Omega_ref)}, {"dOmega_ref", vector(u->dOmega_ref)}};
+        {"b_B", vector(u->b_B)},
+        {"dipole_applied", vector(u->dipole_applied)},
+        {"Omega_ref", vector(u->Omega_ref)},
+        {"dOmega_ref", vector(u->dOmega_ref)},
+    };
     return are_wheel_momenta(u->h_w, f) && all_finite_vectors(given, COUNT(given), f) &&
            are_finite_rate_and_orbit(u->omega_B, u->r_N, u->v_N, f);
 }

@@ -45,11 +45,13 @@ def fly(
     law: dict[str, Any],
     target: Callable[[int], Any] | None = None,
     failed: Callable[[int], Any] | None = None,
+    rods: bool = False,
 ) -> None:
     """Calls `each` at every sample with its number, the plant's outputs, those of the controller, and the plant.
 
     `target`: the attitude at rest that is wanted at a sample, in the place of the parameters'; `failed`: the wheels
-    that are said to have failed, in the place of what the allocator finds.
+    that are said to have failed, in the place of what the allocator finds; `rods`: commands and gains of the rods are
+    connected.
     """
     with (
         running("plant_wheels", **body, **plant) as it,
@@ -68,6 +70,8 @@ def fly(
                 controller.set("wheel_failed", allocator.get("wheel_failed"))
             for name, value in seen.items():
                 controller.set(name, value)
+            if rods:
+                controller.set("dipole_applied", it.get("dipole_cmd"))
             if target is not None:
                 for name, value in (("R_ref", target(i)), ("Omega_ref", np.zeros(3)), ("dOmega_ref", np.zeros(3))):
                     controller.set(name, value)
@@ -77,6 +81,8 @@ def fly(
                 allocator.set(name, y[name])
             for name in ("omega_B", "b_B", "h_w"):
                 allocator.set(name, seen[name])
+            if rods:
+                allocator.set("rod_gains", y["rod_gains_estimate"])
             allocator.initialize() if i == 0 else allocator.step((i - 1) * H, H)
             each(i, seen, y, it)
             for name in ("wheel_torque_cmd", "dipole_cmd"):
