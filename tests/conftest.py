@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 from functools import cache
@@ -49,6 +50,10 @@ MARKERS = {
         "authorities",
         "design",
         "estimator",
+        "inflight/test_bank.py",
+        "inflight/test_commands.py",
+        "orchestration/cli/test_margins.py",
+        "orchestration/margins",
         "plant/sensors/test_loop.py",
         "plant/test_gravity_gradient.py",
         "plant/test_invariants.py",
@@ -107,6 +112,13 @@ MARKERS = {
     ),
 }
 """What the tests of a folder or file do that takes long. A single test elsewhere has its marker at its head."""
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """A file whose markers `-m "not ..."` leaves out is not even imported, which takes seconds for some."""
+    left_out = re.fullmatch(r"not \(?([a-z]+(?: or [a-z]+)*)\)?", config.option.markexpr)
+    is_left_out = left_out and not set(left_out[1].split(" or ")).isdisjoint(markers_of(collection_path))
+    return True if is_left_out else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
