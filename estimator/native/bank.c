@@ -195,6 +195,7 @@ static double cosine_between(Matrix R, Matrix S)
 void estimator_bank_prune(Bank *bank)
 {
     int32_t kept = 0;
+    //@ loop unroll BANK_FILTERS;
     for (int32_t i = 0; i < bank->count; ++i) {
         const int32_t next = best_from(i, bank);
         const BankFilter filter = bank->of[next];

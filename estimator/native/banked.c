@@ -18,7 +18,9 @@ static void take(const EstimatorLaw *law, const Directions *seen, int sensor, in
         const double nis = estimator_bank_correct(&innovation, law->p.gate, filter);
         x->nis[sensor] = k == best ? nis : x->nis[sensor];
     }
-    x->rejected[sensor] += x->nis[sensor] <= law->p.gate || x->rejected[sensor] == INT32_MAX ? 0 : 1;
+    if (!(x->nis[sensor] <= law->p.gate) && x->rejected[sensor] < INT32_MAX) {
+        ++x->rejected[sensor];
+    }
 }
 
 /* A current is max(0, n.s) + the Earth's light ((1 + n.nadir)/2)^2. */

@@ -15,7 +15,7 @@ void estimator_notice(const double v[3], bool every, Watch *w)
     int still = 0, moved = 0;
     for (int i = 0; i < 3; ++i) {
         if (w->seen && v[i] == w->last[i]) {
-            w->run[i] += w->run[i] < INT32_MAX ? 1 : 0;
+            w->run[i] = w->run[i] < INT32_MAX ? w->run[i] + 1 : INT32_MAX;
         } else {
             w->longest[i] = !w->frozen && w->run[i] > w->longest[i] ? w->run[i] : w->longest[i];
             w->run[i] = 0;
@@ -26,7 +26,9 @@ void estimator_notice(const double v[3], bool every, Watch *w)
     }
     w->seen = true;
     const bool stands = still >= (every ? 3 : 1), changed = moved >= (every ? 1 : 3);
-    w->changes += changed && w->changes < REPEATS ? 1 : 0;
+    if (changed && w->changes < REPEATS) {
+        ++w->changes;
+    }
     if (w->changes == REPEATS && stands != w->frozen) {
         w->frozen = stands;
         w->changes = stands ? 0 : REPEATS;

@@ -70,10 +70,8 @@ void estimator_spread(const EstimatorLaw *law, Vector turn, double sign, Matrix 
 static void additions(const EstimatorParameters *p, int gated, const double H[3][3], double G[3][LASTING])
 {
     const double b[3] = {H[2][1], H[0][2], H[1][0]};
+    (void)memset(G, 0, 3U * sizeof G[0]);
     for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < LASTING; ++k) {
-            G[i][k] = 0.0;
-        }
         for (int j = 0; j < 3; ++j) {
             if (gated == GATED_FIELD) {
                 G[i][LASTING_SCALE + 3 * i + j] = p->lasting_field_scale * b[j];

@@ -86,9 +86,15 @@ static void take(const EstimatorLaw *law, int sensor, const Innovation *innovati
     Watch *w = &x->watch[estimator_sensor_of[sensor]];
     x->nis[sensor] = estimator_correct(innovation, &P, &given);
     const bool within = x->nis[sensor] <= law->p.gate;
-    x->rejected[sensor] += !within && x->rejected[sensor] < INT32_MAX ? 1 : 0;
-    x->in_a_row[sensor] = w->frozen ? 0 : x->in_a_row[sensor];
-    x->in_a_row[sensor] += within ? (x->in_a_row[sensor] > 0 ? -1 : 0) : (x->in_a_row[sensor] < IN_A_ROW ? 1 : 0);
+    if (!within && x->rejected[sensor] < INT32_MAX) {
+        ++x->rejected[sensor];
+    }
+    const int32_t before = w->frozen ? 0 : x->in_a_row[sensor];
+    if (within) {
+        x->in_a_row[sensor] = before > 0 ? before - 1 : 0;
+    } else {
+        x->in_a_row[sensor] = before < IN_A_ROW ? before + 1 : IN_A_ROW;
+    }
     const bool backed = estimator_is_backed(sensor, x);
     const bool wrong = estimator_weigh(given.scaled, w->since, within && (backed || sensor != GATED_FIELD), w);
     if ((wrong || x->in_a_row[sensor] == IN_A_ROW) && !w->frozen && !estimator_repeats(w)) {

@@ -31,7 +31,8 @@ static bool is_orbit_usable(const EstimatorLaw *law, const EstimatorInputs *u, E
     } else {
         Vector last_r = x->fix_r_N, last_v = x->fix_v_N;
         estimator_orbit_after(x->since_fix, law->p.gravitational_parameter, law->p.j2, &last_r, &last_v);
-        x->fixes = is_same_orbit(last_r, last_v, r, v, x->since_fix) ? x->fixes + 1 : 0;
+        const int32_t more = x->fixes < FIXES ? x->fixes + 1 : FIXES;
+        x->fixes = is_same_orbit(last_r, last_v, r, v, x->since_fix) ? more : 0;
         usable = x->fixes >= FIXES && !w->frozen;
         x->oriented = !usable; /* the propagated one counts no more */
     }

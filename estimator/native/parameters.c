@@ -80,10 +80,8 @@ bool estimator_check(const EstimatorParameters *p, Fault *f)
 
 void estimator_prepare(const EstimatorParameters *p, EstimatorLaw *law)
 {
-    Epoch epoch = {0, 0, 0, 0};
-    (void)epoch_read(p->epoch, &epoch);
     law->p = *p;
-    law->days = days_of_epoch(&epoch);
+    law->days = days_of_text(p->epoch);
     onboard_field(&gauss_models[p->field_model - 1], law->days, p->field_degree, p->field_error, &law->field);
     law->J = matrix(p->J_B);
     law->J_inverse = inverse(law->J);

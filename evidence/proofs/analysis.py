@@ -50,6 +50,8 @@ class Result:
     statements: tuple[int, int]
     """Reached, and all, of the functions that were analysed."""
     seconds: float
+    functions: tuple[str, ...] = ()
+    """Those that the program enters, by Frama-C's names: `add_3` is that of the fifth file that has an `add`."""
 
 
 def analyse(
@@ -71,16 +73,17 @@ def analyse(
     table.unlink(missing_ok=True)
     words = [f"-D{name}" for name in define] + [f"-include {prelude}"] + [f"-I{path}" for path in (*headers, folder)]
     command = [tool("frama-c"), f"-cpp-extra-args={' '.join(words)}", str(program), *map(str, sources), *FLAGS]
-    command += [*options, "-then", "-report-csv", str(table)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
-    log.write_text(done.stdout + done.stderr, "utf-8")
+    command += [*options, "-then", "-report-csv", str(table), "-metrics", "-metrics-eva-cover"]
+    with log.open("w", encoding="utf-8") as file:
+        done = subprocess.run(command, stdout=file, stderr=subprocess.STDOUT, check=False, cwd=folder)
+    text = log.read_text("utf-8")
     if done.returncode or not table.exists():
         raise InputError(f"{program}: Frama-C failed; its words are in {log}")
     rows = [row for row in csv.DictReader(table.open(encoding="utf-8"), delimiter="\t") if _counts(row, numbers_only)]
     alarms = tuple(sorted({_alarm(row) for row in rows if row["status"] not in _PROVED}))
-    return Result(
-        alarms, sum(row["status"] == "Valid" for row in rows), _reached(done.stdout), time.monotonic() - began
-    )
+    valid = sum(row["status"] == "Valid" for row in rows)
+    entered = tuple(re.findall(r"^  (\w+): [1-9]\d* stmts out of", text, re.MULTILINE))
+    return Result(alarms, valid, _reached(text), time.monotonic() - began, entered)
 
 
 def _counts(row: dict[str, str], numbers_only: bool) -> bool:

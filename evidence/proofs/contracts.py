@@ -82,7 +82,6 @@ CONTRACTS = (
         ("is_number", "run_finite"),
         "allocator",
         "outputs pass only where each number is finite",
-        frozenset({"typed_run_finite_loop_invariant_2_preserved"}),
     ),
     Contract(
         "guard, planned",

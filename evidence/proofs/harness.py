@@ -17,6 +17,8 @@ REAL_MAX = 1e15
 """Of a real variable without limits of its own."""
 TIME_MAX = 1e9
 """s, 31 years: how long a flight takes, where numbers have limits."""
+COUNTS = (-209, 64, 209)
+"""Bounds of counters in the blocks' states: where a growing number is first tried to stay. Others cost time only."""
 STEP_MAX = 1000.0
 """s, the longest step, where numbers have limits."""
 
@@ -82,6 +84,7 @@ static void move({title}State *x)
 
 static void fly({title}State *x)
 {{
+    //@ loop widen_hints "all", {counts};
     while (any_integer != 0{while_time}) {{
         look(x);
         move(x);
@@ -128,6 +131,7 @@ def harness(interface: Interface, span: Range) -> str:
         step="any_real" if span == "any" else f"Frama_C_double_interval(0x1p-20, {STEP_MAX!r})",
         step_max=STEP_MAX if span == "limits" else 1.7976931348623157e308,
         while_time=f" && x->t <= {TIME_MAX!r}" if span == "limits" else "",
+        counts=", ".join(map(str, COUNTS)),
         split="    //@ split p.field_model;\n" if "field_model" in interface.variables else "",
         **parts,
     )

@@ -16,9 +16,11 @@ from ..paper import ROOT
 from .analysis import Alarm, Result
 from .bounds import rows as rows_of_stack
 from .contracts import CONTRACTS, Contract
+from .coverage import rows as rows_of_coverage
 from .faults import faults
 from .harness import STEP_MAX, TIME_MAX
 from .kept import FOLDER, result_of
+from .loops import rows as rows_of_loops
 from .rules import deviations
 from .subjects import HERE, SUBJECTS, Subject
 
@@ -124,6 +126,7 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
         rows.append((f"`{subject.name}`", *cells, f"{result.seconds:.0f} s"))
     blocks, finite = (list(dict.fromkeys(s.name for s, _ in results if s.span == span)) for span in ("any", "limits"))
     missing = [name for name in FLIGHT if name not in blocks]
+    coverage = rows_of_coverage(FLIGHT, results)
     listed = [places for _, _, places in deviations()]
     PAGE.write_text(
         markdown.render(
@@ -139,6 +142,8 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
                 for c, r in contracts
             ],
             stacks=rows_of_stack(FLIGHT),
+            loops=rows_of_loops(FLIGHT),
+            coverage=coverage,
             findings=sum(sum(places.values()) for places in listed),
             broken=len(listed),
             years=f"{TIME_MAX / 3.156e7:.0f}",

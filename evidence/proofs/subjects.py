@@ -39,6 +39,8 @@ class Subject:
     headers: tuple[Path, ...] = ()
     ports: str = ""
     """The block whose generated headers a program of this folder reads."""
+    paths: int = 2000
+    """How many paths are kept apart in each of `closely`."""
     options: tuple[str, ...] = ()
     quick: bool = False
     """Below ten seconds of one core."""
@@ -88,7 +90,7 @@ class Subject:
         if self.span is None:
             return words
         code = Block.named(self.name).interface.code
-        apart = {"fly": 0, "main": 200, f"{code}_check": 200, **dict.fromkeys(self.closely, 2000)}
+        apart = {"fly": 0, "main": 200, f"{code}_check": 200, **dict.fromkeys(self.closely, self.paths)}
         return [*words, "-eva-slevel-function", ",".join(f"{name}:{n}" for name, n in apart.items())]
 
 
@@ -100,11 +102,15 @@ _FRAME = (
 _UNROLL = ("-eva-auto-loop-unroll", "64")
 
 
-def _whole(name: str, *closely: str, by_contract: tuple[str, ...] = ()) -> Subject:
-    """A block with any numbers, not followed closely but where it refuses."""
+def _whole(name: str, *closely: str, by_contract: tuple[str, ...] = (), unroll: int = 64, paths: int = 2000) -> Subject:
+    """A block with any numbers, not followed closely but where it refuses.
+
+    Loops of up to `unroll` rounds are followed round by round; `paths` are kept apart in functions.
+    """
     code = Block.named(name).interface.code
     calls = ("look", "move", *(f"{code}_{call}" for call in ("start", "outputs", "step")))
-    return Subject(name, "any", 0, (*calls, *closely), by_contract, options=_UNROLL)
+    options = ("-eva-auto-loop-unroll", str(unroll))
+    return Subject(name, "any", 0, (*calls, *closely), by_contract, paths=paths, options=options)
 
 
 SUBJECTS = (
@@ -133,4 +139,11 @@ SUBJECTS = (
     Subject("controller", "any", 6),
     Subject("controller", "limits"),
     _whole("supervisor"),
+    _whole("estimator", "check_choices", "epoch_read", by_contract=("estimator_correct_states",), unroll=12, paths=20),
+    _whole(
+        *("controller_planned", "check_choices", "epoch_read"),
+        by_contract=("controller_planned_box_qp", "controller_planned_solve_free"),
+        unroll=8,
+        paths=20,
+    ),
 )

@@ -46,6 +46,14 @@ static inline double days_of_epoch(const Epoch *epoch)
     return (double)days - 0.5 + (double)time / (double)EPOCH_SECOND / 86400.0;
 }
 
+/* The same of a parameter `epoch` that is a date. */
+static inline double days_of_text(const char *text)
+{
+    Epoch epoch;
+    //@ slevel 10;
+    return epoch_read(text, &epoch) ? days_of_epoch(&epoch) : 0.0;
+}
+
 /* The decimal year of days from 2000-01-01T12:00. */
 static inline double year_of_days(double days)
 {
@@ -56,6 +64,7 @@ static inline double year_of_days(double days)
 static inline bool is_covered_epoch(const char *text, const GaussModel *model, Fault *f)
 {
     Epoch epoch;
+    //@ slevel 10;
     if (!is_epoch(text, &epoch, f)) {
         return false;
     }
@@ -69,7 +78,7 @@ static inline bool is_covered_epoch(const char *text, const GaussModel *model, F
 /* The field at a date, up to a degree; `error` (T) is added to g10, g11, h11. */
 /*@ requires \valid_read(model) && \valid_read(error + (0 .. 2)) && \valid(field);
     requires \is_finite(days) && -1e7 <= days <= 1e7 && 1 <= degree <= 13;
-    assigns *field \from *model, days, degree, error[0 .. 2];
+    assigns *field \from indirect:*model, days, degree, error[0 .. 2];
     ensures 1 <= field->degree <= 13 && \initialized(field); */
 #ifdef PROOF_APART
 extern void onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field);

@@ -179,7 +179,10 @@ static inline int steps_of(double time, double longest)
 /* The whole part of x, within 0 and `most`; 0 of what is no number. */
 static inline int whole_part(double x, int most)
 {
-    return !(x > 0.0) ? 0 : x < most ? (int)x : most;
+    if (!(x == x) || !(x > 0.0)) { /* a proof sees only the first as no number */
+        return 0;
+    }
+    return x < most ? (int)x : most;
 }
 
 /* The largest |component|. */

@@ -56,7 +56,9 @@ static bool run_finite(const double *x, size_t n)
         if (!is_number(x[i])) {
             all = false;
         }
-        //@ assert all ==> \is_finite(x[i]);
+        //@ assert any_place == i && all ==> \is_finite(x[any_place]);
+        //@ assert all && 0 <= any_place < i + 1 ==> \is_finite(x[any_place]);
+        //@ assert i + 1 <= n <= SIZE_MAX;
     }
     return all;
 }

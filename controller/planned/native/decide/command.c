@@ -168,6 +168,7 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     if (!has_wheel(&model)) {
         if (x->friction.stuck) {
             const double turns = clip(0.5 * x->t / (PROBE_SAMPLES * p->control_period), 0.0, TURNS_MAX);
+            //@ assert \is_finite(turns);
             y->wheel_torque_ff = (turns - (double)(int64_t)turns < 0.5 ? PROBE : -PROBE) * p->wheel_torque_max;
             tau = subtract(tau, scale(y->wheel_torque_ff, model.wheel_axis));
         }

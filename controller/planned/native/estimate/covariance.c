@@ -104,6 +104,7 @@ void controller_planned_propagate(const Passed *passed, Identification *id)
     sensitivity(passed, id, G);
     const double dt = passed->dt, variance = model_variance(passed, id);
     for (int i = 0; i < MOTION; ++i) {
+        //@ loop unroll FILTER_STATES;
         for (int j = 0; j < FILTER_STATES; ++j) {
             GP[i][j] = product(G, i, id->P[j]);
         }
@@ -131,6 +132,7 @@ static void correct(int i, const double innovation[MOTION], double correction[FI
     double column[FILTER_STATES], left[MOTION];
     const int other = MOTION + BIAS + i - RATE_STATE;
     const double both = i < RATE_STATE ? 0.0 : 1.0;
+    //@ loop unroll FILTER_STATES;
     for (int j = 0; j < FILTER_STATES; ++j) {
         column[j] = j < i ? id->P[j][i] : id->P[i][j];
     }

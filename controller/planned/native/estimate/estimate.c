@@ -74,6 +74,7 @@ static void extrapolate(const ControllerPlannedInputs *u, double period, Ahead *
     }
     Vector r = ahead->orbit.r, v = ahead->orbit.v;
     ahead->knot[0] = last;
+    //@ loop unroll AHEAD_TIMES;
     for (int k = 0; controller_planned_has_t_ahead(u) && k < AHEAD_TIMES; ++k) {
         const double t = ahead->orbit.t + u->t_ahead[k];
         if (t > last.t + period) {

@@ -159,7 +159,7 @@ void controller_planned_learn(double dt, Vector turn, Vector rate, Vector nomina
         controller_planned_suspect_rods(id);
     }
     if (!is_accepted(dt, innovation, id)) {
-        id->rejected += id->rejected < 2;
+        id->rejected = id->rejected < 2 ? id->rejected + 1 : 2;
         memset(id->gain, 0, sizeof id->gain);
         if (id->rejected > 1) {
             controller_planned_take_measured(id); /* twice in turn: it is the prediction that is wrong */

@@ -30,7 +30,7 @@ static bool estimated(const Profile *profile, double t, Vector *disturbance_B)
     if (!(parts >= 0.0 && parts < (double)(PROFILE_NODES - 1))) {
         return false;
     }
-    const int back = (int)parts, place = profile->newest + PROFILE_NODES - back;
+    const int back = whole_part(parts, PROFILE_NODES - 2), place = profile->newest + PROFILE_NODES - back;
     const int after = place % PROFILE_NODES, before = (place - 1) % PROFILE_NODES;
     const Vector from = profile->disturbance_B[after], to = profile->disturbance_B[before];
     *disturbance_B = add(from, scale(parts - back, subtract(to, from)));

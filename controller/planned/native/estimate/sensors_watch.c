@@ -71,7 +71,9 @@ static void take_momentum(double dt, double h_w, double given, MomentumWatch *wa
     }
     watch->longest = !watch->frozen && watch->run > watch->longest ? watch->run : watch->longest;
     watch->run = 0;
-    watch->changes += watch->changes < REPEATS ? 1 : 0;
+    if (watch->changes < REPEATS) {
+        ++watch->changes;
+    }
     watch->h_w = watch->l = h_w;
 }
 
@@ -80,7 +82,7 @@ void controller_planned_watch_momentum(double dt, double h_w, double given, doub
     const bool repeats = h_w == watch->h_w, was_frozen = watch->frozen;
     const bool ends = !repeats && watch->run > watch->longest;
     if (repeats) {
-        watch->run += watch->run < INT32_MAX ? 1 : 0;
+        watch->run = watch->run < INT32_MAX ? watch->run + 1 : INT32_MAX;
         watch->l += dt * given;
     } else {
         take_momentum(dt, h_w, given, watch);

@@ -130,9 +130,11 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
         if (compared) {
             controller_planned_hasten(&search->trial);
         }
-        if (search->left == 0 && ++search->start >= (wheel ? STARTS : RODS_STARTS)) {
-            search->active = false;
-            search->ready = may_be_flown(&search->best);
+        if (search->left == 0) {
+            const int last = wheel ? STARTS - 1 : RODS_STARTS - 1;
+            search->active = search->start < last;
+            search->start = search->active ? search->start + 1 : last + 1;
+            search->ready = !search->active && may_be_flown(&search->best);
         }
     }
 }

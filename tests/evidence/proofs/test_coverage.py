@@ -1,0 +1,54 @@
+"""Which functions lie in a proved program: planted functions that none enters are named.
+
+Shows FC-1.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from evidence.proofs import coverage
+from evidence.proofs.analysis import Result
+from evidence.proofs.coverage import defined, rows
+from evidence.proofs.make import FLIGHT
+from evidence.proofs.subjects import SUBJECTS
+
+ESTIMATOR = next(s for s in SUBJECTS if s.name == "estimator")
+FILTER = next(s for s in SUBJECTS if s.name == "filter")
+
+
+def result(*functions):
+    return Result((), 1, (1, 1), 1.0, functions)
+
+
+def test_functions_are_found_by_their_definitions_and_not_by_calls_or_declarations(tmp_path):
+    path = tmp_path / "a.c"
+    path.write_text(
+        "int declared(int x);\nstatic inline Vector of_type(const double v[3],\n    int n)\n{\n    called(n);\n}\n"
+        "const char *pointer(void)\n{\n}\n#if X\nint twice(void)\n{\n}\n#else\nint twice(void)\n{\n}\n#endif\n"
+    )
+    assert defined(path) == {"of_type", "pointer", "twice"}
+
+
+def test_a_function_is_covered_by_its_own_program_or_by_another_or_it_is_named(tmp_path, monkeypatch):
+    path = ESTIMATOR.block.folder / "native" / "filter.c"
+    functions = sorted(defined(path))
+    monkeypatch.setattr(coverage, "parts", lambda blocks: [("estimator", [path])])
+    own, other, left = functions[0], functions[1], functions[2:]
+    programs = [(ESTIMATOR, result(f"{own}_3")), (FILTER, result(other, "main"))]
+    assert rows(FLIGHT, programs) == [
+        ("`estimator`", str(len(functions)), "1", "1: `filter`", ", ".join(f"`{n}`" for n in left))
+    ]
+
+
+def test_of_two_functions_with_one_name_both_have_to_be_entered(monkeypatch):
+    native = ESTIMATOR.block.folder / "native"
+    files = [native / "banked.c", native / "measurements.c"]
+    monkeypatch.setattr(coverage, "parts", lambda blocks: [("estimator", files)])
+    for entered, missed in ((("take",), True), (("take", "take_0"), False)):
+        assert ("`take`" in rows(FLIGHT, [(ESTIMATOR, result(*entered))])[0][4]) == missed
+
+
+@pytest.mark.parametrize("part", FLIGHT)
+def test_each_block_of_the_flight_code_has_a_program(part):
+    assert any(s.name == part and s.span == "any" for s in SUBJECTS)
