@@ -46,6 +46,7 @@ from .satellites.kept import FILE as SATELLITES
 from .satellites.kept import load
 from .satellites.searched import BOUNDS
 from .sensors import make as sensor_figures
+from .single import make as floats
 from .trace import matrix as traced
 from .verification import page as verified
 from .wheels import make as wheels_flown
@@ -343,6 +344,13 @@ def rounding(cases: int) -> None:
     from .rounding.make import make  # python-flint, which this command alone needs  # noqa: PLC0415
 
     say(f"written: {make(cases)}")
+
+
+@main.command()
+def single() -> None:
+    """Make docs/evidence/single.md: the flight code in single precision, beside double precision and on an emulated
+    Cortex-M4."""
+    say(f"written: {floats.make()}")
 
 
 @main.command()

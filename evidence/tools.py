@@ -16,6 +16,7 @@ PACKAGES = {
     "cppcheck": "cppcheck",
     "clang-tidy": "clang-tidy",
     "arm-none-eabi-gcc": "gcc-arm-none-eabi",
+    "arm-none-eabi-nm": "binutils-arm-none-eabi",
     "arm-none-eabi-size": "binutils-arm-none-eabi",
     "qemu-system-arm": "qemu-system-arm",
 }

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from orchestration import InputError
 
 from ..tools import tool
-from .firmware import MACHINE
+from .firmware import CORTEX_M7, Board
 
 TICK = 40
 """Instructions in a tick of the board's counter: it counts at 25 MHz, and an instruction takes 1 ns of the board's
@@ -33,13 +33,13 @@ class Emulator:
     of a run
     """
 
-    def __init__(self, elf: Path) -> None:
+    def __init__(self, elf: Path, board: Board = CORTEX_M7) -> None:
         ports = _free_ports(2)
         self.address = f"127.0.0.1:{ports[0]}"
         serial = [
             option for port in ports for option in ("-serial", f"tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on")
         ]
-        command = [tool("qemu-system-arm"), "-M", MACHINE, "-display", "none", "-monitor", "none"]
+        command = [tool("qemu-system-arm"), "-M", board.machine, "-display", "none", "-monitor", "none"]
         self._qemu = subprocess.Popen([*command, "-icount", "shift=0", *serial, "-kernel", str(elf)])
         self._bytes = bytearray()
         self._report = _connected(ports[1], self._qemu)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,8 +22,6 @@ from orchestration import InputError
 from ..tools import tool
 
 MEASURE = Path(__file__).with_name("measure.c")
-MACHINE = "mps2-an500"
-PROCESSOR = ("-mcpu=cortex-m7", "-mthumb", "-mfpu=fpv5-d16", "-mfloat-abi=hard")
 PROGRAMS = ("arm-none-eabi-gcc", "arm-none-eabi-size", "qemu-system-arm")
 FLAGS = (
     *("-std=c11", "-O2", "-ffreestanding", "-ffunction-sections", "-fdata-sections", "-fcallgraph-info=su"),
@@ -32,6 +30,30 @@ FLAGS = (
     # memcpy is a loop in freestanding/memory.c, which must not become a call of memcpy.
     *("-fno-tree-loop-distribute-patterns", "-Wall", "-Wextra", "-Wconversion", "-Wno-unknown-pragmas", "-Werror"),
 )
+
+
+@dataclass(frozen=True)
+class Board:
+    """QEMU's name of a board, and the compiler's options for its processor."""
+
+    machine: str
+    options: tuple[str, ...]
+
+
+PROCESSOR = ("-mcpu=cortex-m7", "-mthumb", "-mfpu=fpv5-d16", "-mfloat-abi=hard")
+CORTEX_M7 = Board("mps2-an500", PROCESSOR)
+CORTEX_M4 = Board("mps2-an386", ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"))
+"""Its FPU has single precision alone."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """C that is compiled alike: `flight` is the block's, which sizes are of."""
+
+    sources: tuple[Path, ...]
+    headers: tuple[Path, ...]
+    options: tuple[str, ...] = ()
+    flight: bool = False
 
 
 @dataclass(frozen=True)
@@ -49,36 +71,61 @@ class Firmware:
     """With the line's buffers, without the stack."""
     stack: int
     """The deepest chain of calls from the block's function on, by the compiler's call graph."""
+    doubles: tuple[str, ...] = ()
+    """Functions for double precision that the block calls; none where the processor has it."""
 
 
-def build(name: str, folder: Path) -> Firmware:
-    """The firmware of a block of this project, made in `folder`. Raises InputError."""
-    block = Block.named(name)
-    folder.mkdir(parents=True, exist_ok=True)
+def parts_of(block: Block, folder: Path) -> list[Part]:
+    """The block as it stands, and its line; what is generated goes into `folder`."""
     flight, line, headers = lay_out(block.interface, block.folder, folder)
-    board = [link.FIRMWARE / f for f in ("main.c", "board_uart.c", "startup_cortex_m.c")]
-    rest = [*line, *board, MEASURE, *FREESTANDING.glob("*.c")]
+    return [Part(tuple(flight), tuple(headers), flight=True), Part(tuple(line), tuple(headers))]
+
+
+def build(
+    name: str,
+    folder: Path,
+    board: Board = CORTEX_M7,
+    made_of: Callable[[Block, Path], list[Part]] = parts_of,
+) -> Firmware:
+    """The firmware of a block of this project, made in `folder`. The headers of the last part are the board's, too.
+
+    Raises InputError.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    parts = made_of(Block.named(name), folder)
+    names = ("main.c", "board_uart.c", "startup_cortex_m.c")
     (folder / "sizes.c").write_text(
         '#include "block.h"\nchar sizes[sizeof(Parameters) + sizeof(Inputs) + sizeof(Outputs) + sizeof(Memory)];\n'
     )
-    folders = [f"-I{path}" for path in (*headers, FREESTANDING)]
-    compiler = [tool("arm-none-eabi-gcc"), *PROCESSOR, *FLAGS, "-DUART_DIVIDER=16u", *folders]
-    objects = {p: folder / f"{p.stem}.o" for p in (*flight, *rest, folder / "sizes.c")}
-    for source, target in objects.items():
-        _run([*compiler, "-c", str(source), "-o", str(target)])
+    rest = (*(link.FIRMWARE / f for f in names), MEASURE, *sorted(FREESTANDING.glob("*.c")), folder / "sizes.c")
+    parts.append(Part(rest, parts[-1].headers))
+    compiler = [tool("arm-none-eabi-gcc"), *board.options, *FLAGS, "-DUART_DIVIDER=16u"]
+    objects: dict[Path, Path] = {}
+    for number, part in enumerate(parts):
+        # The elementary functions' headers last: a part may bring its own.
+        folders = [f"-I{path}" for path in (*part.headers, FREESTANDING)]
+        for source in part.sources:
+            objects[source] = folder / f"{number}_{source.stem}.o"
+            _run([*compiler, *part.options, *folders, "-c", str(source), "-o", str(objects[source])])
     sizes = objects.pop(folder / "sizes.c")
     elf = folder / "firmware.elf"
     options = [
-        *PROCESSOR,
+        *board.options,
         "-nostdlib",
         "-Wl,--gc-sections",
         "-Wl,--wrap=block_sample",
         f"-T{link.FIRMWARE / 'cortex_m.ld'}",
     ]
     _run([compiler[0], *options, *map(str, objects.values()), "-lgcc", "-o", str(elf)])
-    code = sum(_size(objects[p])[0] for p in flight)
+    flight = [objects[source] for part in parts if part.flight for source in part.sources]
+    code = sum(_size(path)[0] for path in flight)
     graphs = [target.with_suffix(".ci").read_text() for target in objects.values()]
-    return Firmware(elf, code, _size(sizes)[1], *_size(elf), deepest(graphs, "block_sample"))
+    doubles = sorted({name for path in flight for name in _DOUBLE.findall(_run([tool("arm-none-eabi-nm"), str(path)]))})
+    return Firmware(elf, code, _size(sizes)[1], *_size(elf), deepest(graphs, "block_sample"), tuple(doubles))
+
+
+_DOUBLE = re.compile(r"U (__aeabi_(?:d\w+|\w+2d|cd\w+))")
+"""The compiler's functions for double precision, where the processor has none."""
 
 
 def _run(command: list[str]) -> str:
