@@ -59,6 +59,26 @@ def test_a_sensor_that_freezes_is_named_after_as_many_measurements_each_time(fla
     assert not within(frozen, 262, 299)
 
 
+def test_rejections_of_a_frozen_sensor_count_for_nothing_once_it_is_back_each_time(flavour):
+    """It freezes beyond the gate for 40 measurements and comes back wrong for 25, of which 20 end the freeze: fewer
+    than 50 in a row, at which it would be inconsistent or the filter would begin anew."""
+    begins, off = (60, 160), np.array((0.3, -0.4, 0.3))
+
+    def spoil(k: int, u: Any) -> Any:
+        begin = max((b for b in begins if b <= k), default=-1000)
+        seen = measured(False)[begin][2].sun_B_measured if k < begin + 40 else u.sun_B_measured
+        return replace(u, sun_B_measured=seen + off * (k < begin + 65))
+
+    ys, off_by = flown(flavour, spoil, 260)
+    seen = [y["health"][4] for y in ys]
+    for begin in begins:
+        assert seen[begin + 25 : begin + 58] == [FROZEN] * 33
+        assert FROZEN not in seen[begin + 60 : begin + 100]
+    assert INCONSISTENT not in seen
+    assert all(np.any(y["R_NB"]) for y in ys[20:])
+    assert max(off_by[50:]) < 2.0
+
+
 def test_an_orbit_that_jumps_is_taken_after_as_many_fixes_that_agree_each_time(flavour):
     """After 20 in turn that agree with one before; 15 are forgotten where the known orbit comes back."""
     jumps = ((40, 55), (60, 75), (80, 120), (160, 200))
