@@ -70,8 +70,9 @@ def _untaken(scenario: Scenario, models: Mapping[str, Model]) -> list[Problem]:
     for name, value in scenario.shared.items():
         if not any(taken(model, name) or name.variable in model.lacks for model in models.values()):
             text, remedy = f"no block has a parameter {name.variable!r}{hint(name.variable, known)}", ""
-            if name.variable in TIMES:
-                text, remedy = f"{name} is no parameter but a key of the scenario", f"--{name} '{value}'"
+            if name.variable in type(scenario).model_fields:
+                text = f"{name.variable} is no parameter but a key of the scenario"
+                remedy = f"--{name} '{value}'" if name in TIMES else f"a file that extends it and has {name.variable!r}"
             errors.append(scenario.error(("shared", name), text, remedy=remedy))
     return errors
 

@@ -193,3 +193,14 @@ def test_a_shell_completes_commands_options_blocks_and_files(typed, offered):
     }
     told = CliRunner(env=environment).invoke(main, [], prog_name="orchestrate")
     assert offered in told.stdout.splitlines()
+
+
+@pytest.mark.parametrize(
+    ("given", "remedy"),
+    [("duration=3 s", "--duration '3 s'"), ("isolation=process", "a file that extends it and has 'isolation'")],
+)
+def test_a_key_of_the_scenario_is_no_start_value_and_what_changes_it_is_said(given, remedy):
+    result = orchestrate("validate", ROOT / "scenarios" / "minimal.yaml", "--set", given)
+    name = given.partition("=")[0]
+    assert result.exit_code == 2
+    assert f"--set {given}: {name} is no parameter but a key of the scenario; remedy: {remedy}" in result.stderr
