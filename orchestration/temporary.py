@@ -53,7 +53,7 @@ def make(prefix: str = PREFIX) -> Path:
 
 def remove(folder: Path) -> None:
     """Removes a folder of `make`, and gives its lock back; never raises."""
-    shutil.rmtree(folder, ignore_errors=True)
+    _delete(folder)
     if (lock := _locks.pop(folder, None)) is not None:
         with suppress(OSError):  # an FMU has closed it
             os.close(lock)
@@ -82,7 +82,19 @@ def _clear(place: str) -> None:
         with suppress(OSError):
             there = folder.lstat()
             if stat.S_ISDIR(there.st_mode) and there.st_uid == os.getuid() and _is_left(folder):
-                shutil.rmtree(folder, ignore_errors=True)
+                _delete(folder)
+
+
+def _delete(folder: Path) -> None:
+    """Deletes the lock last, so that the next finds what is left where this is killed meanwhile."""
+    with suppress(OSError):
+        for entry in list(os.scandir(folder)):
+            if entry.is_dir(follow_symlinks=False):
+                shutil.rmtree(entry.path, ignore_errors=True)
+            elif entry.name != _LOCK:
+                with suppress(OSError):
+                    os.unlink(entry.path)
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def _is_left(folder: Path) -> bool:

@@ -63,3 +63,13 @@ def test_a_folder_stays_while_a_process_that_was_forked_from_its_own_works_in_it
     process.stdout.read()
     assert begun(CLEAR, tmp_path).wait(30) == 0
     assert not folder.exists()
+
+
+def test_a_folder_whose_deletion_was_killed_loses_its_lock_last(tmp_path):
+    killed = "import os\nfrom orchestration import temporary\nfolder, real = temporary.make(), os.unlink\n" + (
+        "for i in range(40):\n    (folder / f'{i}.so').touch()\n"
+        "def unlink(path, **more):\n    real(path, **more)\n    str(path).endswith('.lock') and os.kill(os.getpid(), 9)\n"
+        "os.unlink = unlink\ntemporary.remove(folder)\n"
+    )
+    assert begun(killed, tmp_path).wait(30) == -signal.SIGKILL
+    assert not list(tmp_path.rglob("*.so"))
