@@ -68,7 +68,8 @@ def test_a_folder_stays_while_a_process_that_was_forked_from_its_own_works_in_it
 def test_a_folder_whose_deletion_was_killed_loses_its_lock_last(tmp_path):
     killed = "import os\nfrom orchestration import temporary\nfolder, real = temporary.make(), os.unlink\n" + (
         "for i in range(40):\n    (folder / f'{i}.so').touch()\n"
-        "def unlink(path, **more):\n    real(path, **more)\n    str(path).endswith('.lock') and os.kill(os.getpid(), 9)\n"
+        "def unlink(path, **more):\n    real(path, **more)\n"
+        "    if str(path).endswith('.lock'): os.kill(os.getpid(), 9)\n"
         "os.unlink = unlink\ntemporary.remove(folder)\n"
     )
     assert begun(killed, tmp_path).wait(30) == -signal.SIGKILL

@@ -166,7 +166,7 @@ def test_a_device_whose_answers_take_35_ms_is_used_again_after_a_fault_of_the_li
     def slow(data: bytes, way: str) -> list[tuple[float, bytes]]:
         return [(0.0175, data)]
 
-    settings = {"time_out": 0.1, "when_silent": policy, "mode": mode, "age_max": 100.0, "tries": 1}
+    settings = {"time_out": 0.3, "when_silent": policy, "mode": mode, "age_max": 100.0, "tries": 1}
     with behind(slow) as (proxy, _), asked(proxy.address, **settings) as block:
         flown(block, 3)
         k = 3
