@@ -16,7 +16,7 @@ from fmus.interface import BLOCKS
 from fmus.interface import load as interface
 from orchestration import InputError
 from orchestration import load as load_scenario
-from orchestration.cli.console import complain, say, say_table
+from orchestration.cli.console import Progress, complain, say, say_table
 from orchestration.cli.help import examples
 from orchestration.cli.options import Between
 from orchestration.cli.status import BLOCK_FAILED, EXPECTATION_FAILED
@@ -28,6 +28,7 @@ from orchestration.session.read import read
 from orchestration.session.run import whole
 
 from .allocated import allocated
+from .plausible import NONE
 
 LAWS = Path(__file__).parent / "laws"
 COMPARED = ("bdot", "pd", "unloading", "lqr", "paper")
@@ -82,12 +83,16 @@ def with_law(source: Source, place: str, law: Path) -> Source:
     return source.with_entry(("blocks", place), {**entry, "python": str(law.resolve())})
 
 
-def ranked(laws: Mapping[str, Source], starts: Sequence[Mapping[str, Any]], below: float) -> list[Row]:
+def ranked(laws: Mapping[str, Source], starts: Sequence[Mapping[str, Any]], below: float, bar: Progress) -> list[Row]:
     """Flies the scenario of each law on each tumble and returns its rows, the one that settles most and soonest first.
 
     `below` rad is the error below which a flight is settled for good. Raises InputError.
     """
-    rows = [_row(name, source, starts, below) for name, source in laws.items()]
+    rows: list[Row] = []
+    for name, source in laws.items():
+        rows.append(_row(name, source, starts, below))
+        bar(len(rows))
+    bar.close()
     return sorted(rows, key=lambda row: (-row.settled, row.median, row.rms))
 
 
@@ -158,13 +163,8 @@ def compared(source: Source, place: str) -> dict[str, Source]:
 @click.option("--scenario", required=True, type=click.Path(path_type=Path), metavar="FILE", help="The loop to fly in.")
 @click.option("--place", default="controller", show_default=True, help="The block in whose place the laws stand.")
 @click.option("--runs", default=5, show_default=True, type=click.IntRange(1), help="Tumbles that each law flies.")
-@click.option(
-    "--rate",
-    default=4.0,
-    show_default=True,
-    type=Between(0.0, 500.0),
-    help="Size of the body rate at the start, deg/s.",
-)
+@click.option("--rate", default=4.0, show_default=True, type=Between(0.0, 500.0),
+              help="Size of the body rate at the start, deg/s.")  # fmt: skip
 @click.option(
     "--below",
     default=15.0,
@@ -215,7 +215,8 @@ def command(
                 f"{law}: the name {law.stem!r} is that of {own[law.stem]}; remedy: another name of the file"
             )
         flown[law.stem], own[law.stem] = with_law(source, place, law), str(law)
-    rows = ranked(flown, tumbles(runs, math.radians(rate), seed), math.radians(below))
+    bar = Progress(len(flown), True, "laws")
+    rows = ranked(flown, tumbles(runs, math.radians(rate), seed), math.radians(below), bar)
     say_table(
         ("law", "settled", "median, s", "worst, s", "rms after, deg", "largest after, deg", "wheel, N.m.s"),
         [
@@ -226,7 +227,7 @@ def command(
                 _shown(r.worst, ".0f"),
                 _shown(r.rms, ".3g"),
                 _shown(r.largest, ".3g"),
-                f"{r.momentum:.3g}",
+                _shown(r.momentum if r.momentum > NONE else math.inf, ".3g"),
             )
             for r in rows
         ],

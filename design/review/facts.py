@@ -38,7 +38,7 @@ class Facts:
 
     @property
     def controller(self) -> str:
-        """The kind of the controller, or ""."""
+        """The kind of the controller, such as controller_planned, or with its file for a law in Python; or ""."""
         return next((kind for kind in self.blocks if kind.startswith("controller")), "")
 
     @property
@@ -80,6 +80,8 @@ def facts(file: Path, mass: float | None) -> Facts:
     fed = {c.target.block for c in scenario.connections if c.target.variable == "R_d"}
     for name, entry in scenario.blocks.items():
         kind = entry.fmu or entry.interface or "law"
+        if entry.python and (kind.startswith("controller") or name == "controller"):
+            kind = f"controller law {Path(str(entry.python)).name}"  # of which no more is known than of any law
         blocks.setdefault("estimate_judge" if kind == "plant_judge" and name in fed else kind, name)
     if "plant_judge" not in blocks:
         raise InputError(

@@ -48,11 +48,11 @@ def review(
     begun = perf_counter()
     found = facts(file, options.mass)
     source = read(file)
-    announce(_planned(found, options, speed(found, source)))
+    tracks, why = manoeuvres.station(found)
+    announce(_planned(found, options, len(tracks), speed(found, source)))
     case, rows = tumbles.fly(found, options, folder, lambda done: tell("tumbles", done, options.runs))
     place = folder / "flights"
     holds = pointing.flights(found, options, case)
-    tracks, why = manoeuvres.station(found)
     singles = [*manoeuvres.slews(found), *tracks, *manoeuvres.failing(found)]
     flown = fly(file, holds, place, options.workers, lambda done: tell("holds", done, len(holds)))
     flown |= fly(file, singles, place, options.workers, lambda done: tell("manoeuvres", done, len(singles)))
@@ -108,16 +108,17 @@ def speed(found: Facts, source: Source) -> float:
     return float(flown.time[-1]) / scenario.step / max(process_time() - begun, 1e-3)
 
 
-def _planned(found: Facts, options: Options, steps: float) -> str:
+def _planned(found: Facts, options: Options, tracks: int, steps: float) -> str:
     """Returns how many flights there are, and about how long they take."""
     holds = sum(pointing.members(options, name) for name in pointing.cases(found))
     fails = len(studies.failures(found)) + 1
     slews = len(manoeuvres.slews(found))
     orbits = tumbles.ORBITS * (options.runs + 1) + (pointing.SETTLED + pointing.OBSERVED) * holds
-    orbits += manoeuvres.ENDS * fails + slews + manoeuvres.PASS
+    orbits += manoeuvres.ENDS * fails + slews + manoeuvres.PASS * tracks
     minutes = orbits * found.period / found.scenario.step / steps / max(options.workers, 1) / 60.0
+    flights = options.runs + holds + fails + slews + tracks + 1
     return (
-        f"{options.runs + holds + fails + slews + 1} flights, {orbits:.0f} orbits: about {max(minutes, 1):.0f} min on "
+        f"{flights} flights, {orbits:.0f} orbits: about {max(minutes, 1):.0f} min on "
         f"{max(options.workers, 1)} free cores at {steps:,.0f} steps a second, less what has been flown"
     )
 

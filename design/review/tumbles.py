@@ -161,7 +161,7 @@ def section(facts: Facts, options: Options, case: Case, rows: Rows) -> Section:
             Table("Time to settle", ["until", "settled", "median, s", "90%, s", "worst, s"], table),
             Table("Hold after the tumble", ["", "median", "90%", "worst"], errors),
         ],
-        [figure],
+        [figure] if any(len(t) for _, t in steps) else [],
         notes,
     )
 

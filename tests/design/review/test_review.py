@@ -12,6 +12,7 @@ from design.review import compare, content, flights, margins, page, power, run, 
 from design.review import facts as of
 from design.review.options import Options, requirements
 from evidence.paper import ROOT
+from orchestration import InputError
 from orchestration.campaign.case import read_campaign
 from orchestration.scenario.text import written
 from orchestration.session.read import load, read
@@ -143,3 +144,23 @@ def test_a_law_that_demands_a_torque_is_opened_there(facts, four_wheels):
     paper = of.facts(ROOT / "scenarios" / "paper_no_singularity.yaml", None)
     ports = [margins._port(found) for found in (paper, of.facts(four_wheels, None), facts)]
     assert ports == ["controller.tau_cmd_B", "plant.wheel_torque_cmd", "plant.dipole_cmd"]
+
+
+def test_a_law_in_python_is_reviewed_as_a_block_is_and_one_that_fails_at_once_by_its_file(
+    satellite, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(of.Facts, "period", property(lambda self: 60.0))
+    (tmp_path / "law.py").write_text(
+        "def step(inputs, parameters, t, h):\n    return {'tau_cmd_B': -0.02 * parameters.J_B @ inputs.omega_B}\n"
+    )
+    own = tmp_path / "own.yaml"
+    own.write_text(written({"name": "own", "extends": str(satellite), "blocks": {"controller": {"python": "law.py"}}}))
+    found = run.review(own, tmp_path / "out", Options(runs=2, members=1, workers=0), lambda *at: None)
+    assert [section.heading for section in found.sections] == SECTIONS
+    said = str(found.sections)
+    assert "controller law law.py" in said
+    assert "controller_planned solves" not in said, "it is a law of which no more is known than of any"
+    assert "controller.tau_cmd_B" in said, "the loop is opened at the torque that the law demands"
+    (tmp_path / "law.py").write_text("def step(inputs, parameters, t, h):\n    return {'torque': inputs.omega_B}\n")
+    with pytest.raises(InputError, match=r"law\.py.*no output 'torque'"):
+        run.review(own, tmp_path / "out2", Options(runs=2, members=1, workers=0), lambda *at: None)
