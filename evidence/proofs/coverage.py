@@ -40,7 +40,7 @@ def parts(blocks: Sequence[str]) -> list[tuple[str, list[Path]]]:
 def rows(blocks: Sequence[str], results: Iterable[tuple[Subject, Result]]) -> list[tuple[str, ...]]:
     """Of each part: its functions, those that its own program enters, those of others, and the names of the rest."""
     programs = [(subject, reached(result)) for subject, result in results]
-    table = []
+    table: list[tuple[str, ...]] = []
     for part, files in parts(blocks):
         functions: Counter[str] = Counter()
         for path in files:

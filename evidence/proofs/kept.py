@@ -26,8 +26,8 @@ def result_of(subject: Subject) -> Result:
         kept = json.loads(path.read_text("utf-8"))
         if kept.pop("digest") == digest:
             alarms = tuple(Alarm(**a) for a in kept.pop("alarms"))
-            tuples = {name: tuple(kept.pop(name)) for name in ("statements", "functions")}
-            return Result(alarms, **tuples, **kept)
+            kept |= {name: tuple(kept[name]) for name in ("statements", "functions")}
+            return Result(alarms, **kept)
     result = subject.prove(folder)
     path.write_text(json.dumps({"digest": digest, **asdict(result)}, indent=1), "utf-8")
     return result

@@ -83,7 +83,7 @@ def rows(blocks: Sequence[str]) -> list[tuple[str, ...]]:
 
     Raises InputError where a loop has no bound, or a bound no loop.
     """
-    known, met, table = bounds(), set[tuple[str, str]](), []
+    known, met, table = bounds(), set[tuple[str, str]](), list[tuple[str, ...]]()
     for part, files in parts(blocks)[:-1]:
         counted, others = 0, []
         for path in files:
