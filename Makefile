@@ -87,7 +87,7 @@ prove: $(VENV)/test
 	$(BIN)/python -m evidence planted
 	$(BIN)/python -m evidence rules
 
-# Requirements with the code, tests, scenarios and proofs that name them: out/trace/trace.html and trace.csv; an error where one lacks evidence.
+# Requirements with the code, tests, scenarios and proofs that name them: out/trace/trace.html, trace.csv and trace.reqif; an error where one lacks evidence.
 trace: $(VENV)/test
 	$(BIN)/python -m evidence trace
 

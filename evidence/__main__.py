@@ -47,7 +47,6 @@ from .satellites.kept import load
 from .satellites.searched import BOUNDS
 from .sensors import make as sensor_figures
 from .single import make as floats
-from .trace import matrix as traced
 from .verification import page as verified
 from .wheels import make as wheels_flown
 
@@ -318,9 +317,16 @@ def proofs(names: tuple[str, ...]) -> None:
 
 @main.command()
 def trace() -> None:
-    """Write out/trace/trace.html and trace.csv: requirements, and the code, tests, scenarios and proofs that name
-    them."""
-    say(f"written: {traced.make()}")
+    """Write out/trace/trace.html, trace.csv and trace.reqif: requirements, and the code, tests, scenarios and proofs
+    that name them.
+
+    Needs the package reqif (pip install reqif).
+    """
+    if find_spec("reqif") is None:
+        raise InputError("the package reqif is not installed; remedy: pip install reqif")
+    from .trace.matrix import make  # reqif, which this command alone needs  # noqa: PLC0415
+
+    say(f"written: {make()}")
 
 
 @main.command()

@@ -1,4 +1,4 @@
-"""The matrix of requirements: which code, tests, scenarios and proofs name each, as a page and as a table.
+"""The matrix of requirements: which code, tests, scenarios and proofs name each, as a page, a table and ReqIF.
 
 An id stands in a docstring or comment. A requirement needs code, and a test or a proof.
 """
@@ -17,6 +17,7 @@ import yaml
 from orchestration import InputError
 
 from ..paper import ROOT
+from . import reqif
 
 FILE = Path(__file__).with_name("requirements.yaml")
 OUT = ROOT / "out" / "trace"
@@ -83,12 +84,13 @@ def _files(root: Path) -> Iterator[tuple[str, Path]]:
 
 
 def write(rows: Sequence[Requirement], folder: Path = OUT) -> Path:
-    """trace.csv and trace.html in the folder; returns the page."""
+    """trace.csv, trace.html and trace.reqif in the folder; returns the page."""
     folder.mkdir(parents=True, exist_ok=True)
     head = ["id", "text", "source", *KINDS, "lacks"]
     cells = [[r.id, r.text, r.source, *("; ".join(r.evidence[kind]) for kind in KINDS), r.lacks] for r in rows]
     with (folder / "trace.csv").open("w", encoding="utf-8", newline="") as file:
         csv.writer(file).writerows([head, *cells])
+    reqif.write(head, cells, folder / "trace.reqif")
     body = "\n".join("<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>" for row in cells)
     page = folder / "trace.html"
     page.write_text(

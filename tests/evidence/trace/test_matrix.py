@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import csv
+from importlib import resources
 
 import pytest
+import xmlschema
+from reqif.parser import ReqIFParser
 
+from evidence.trace import reqif
 from evidence.trace.matrix import Requirement, make, matrix, requirements, write
 from orchestration import InputError
 
@@ -59,3 +63,17 @@ def test_the_table_and_the_page_show_each_requirement_with_its_files(tmp_path):
     table = list(csv.DictReader((tmp_path / "out" / "trace.csv").open(encoding="utf-8")))
     assert (table[0]["code"], table[0]["tests"], table[0]["lacks"]) == ("allocator/code_a.py", "tests/test_a.py", "")
     assert "<td>allocator/code_a.py</td>" in page.read_text("utf-8")
+
+
+def test_a_tool_of_requirements_reads_the_matrix_in_reqif(tmp_path):
+    cells = [["ZZ-1", 'It turns: a < b & "c".', "[8]"], ["ZZ-2", "It stops.", ""]]
+    reqif.write(["id", "text", "code"], cells, tmp_path / "trace.reqif")
+    content = ReqIFParser.parse(str(tmp_path / "trace.reqif")).core_content.req_if_content
+    (kind, _) = content.spec_types
+    assert [a.long_name for a in kind.attribute_definitions] == ["ReqIF.ForeignID", "ReqIF.Text", "code"]
+    assert [o.identifier for o in content.spec_objects] == ["ZZ-1", "ZZ-2"]
+    assert [place.spec_object for place in content.specifications[0].children] == ["ZZ-1", "ZZ-2"]
+    schema = resources.files("reqif") / "reqif_schema" / "reqif.xsd"
+    assert xmlschema.XMLSchema(str(schema)).is_valid(tmp_path / "trace.reqif")
+    for given, read in zip(cells, content.spec_objects, strict=True):
+        assert [a.value for a in read.attributes] == given
