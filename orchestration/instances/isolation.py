@@ -33,6 +33,10 @@ _START_TIMEOUT = 120.0
 """Seconds that a process may take to start."""
 
 
+STARTING = "starting its process"
+"""The call of an error before anything of the FMU is loaded: it is not the FMU's, nor one of the scenario."""
+
+
 class IsolatedBlock:
     """One instance of an FMU behind a process. See `block.Block`.
 
@@ -65,7 +69,7 @@ class IsolatedBlock:
             self._memory = Memory(shared, fmu.model)
         except OSError as error:
             raise NoRoom(f"{name}: the memory shared with its process cannot be made", folder.parent, error) from None
-        self._memory.call = "starting its process"
+        self._memory.call = STARTING
         self._process = Process(home, [] if descriptor is None else [descriptor])
         if descriptor is not None:
             os.close(descriptor)

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..errors import InputError, hint
+from ..errors import BlockError, InputError, hint
 from ..expectations.outcomes import ExpectationObserver, Outcome
 from ..scenario.references import Name
 from ..scenario.scenario import Scenario
@@ -49,6 +49,8 @@ def fly(
         recording = session.fly(starts, [*expected, *observers], shown).whole()
     except InputError as error:
         return Flown("\n".join(error.messages), [], 0.0)
+    except BlockError as error:  # of a process that was ended while it started
+        return Flown(str(error), [], 0.0)
     reason, failed = None, recording.failure is not None
     if recording.failure is not None:
         reason = str(refusal(scenario, plan.models, recording.failure) or recording.failure)

@@ -15,7 +15,7 @@ from ..fmu.archive import shown
 from ..fmu.interfaces import is_path
 from ..instances.block import Block, Instance
 from ..instances.guest import Guest
-from ..instances.isolation import IsolatedBlock
+from ..instances.isolation import STARTING, IsolatedBlock
 from ..instances.law import Law
 from ..instances.record.play import RECORD, write_folder
 from ..instances.record.recorder import Record, record
@@ -78,7 +78,7 @@ class Session:
 
         `observers` are shown `nodes` after every base step, and `columns` are recorded. `circuit` takes the place of
         the scenario's own; `around` puts other blocks before or beside those of the session. Raises InputError where
-        an instance cannot be made.
+        an instance cannot be made, BlockError where its process is ended while it starts.
         """
         circuit = circuit or self.opened.plan.circuit
         recording = self._ready(circuit, columns, nodes, around).run(starts, observers, options)
@@ -185,6 +185,8 @@ class Session:
         except InputError as error:
             raise InputError(*with_remedies(error, scenario, name)) from None
         except BlockError as error:
+            if error.call == STARTING:
+                raise
             message = f"{shown(opened.fmus[name].path)}: {error}"
             key = "python" if scenario.blocks[name].python else "fmu"
             raise InputError(scenario.error(("blocks", name, key), message)) from None

@@ -18,7 +18,8 @@ from orchestration import BlockError, run
 from orchestration.fmu.archive import open_fmu
 from orchestration.instances.channel import STEPPING
 from orchestration.instances.isolation import IsolatedBlock
-from orchestration.instances.process import Limits
+from orchestration.instances.process import Limits, Process
+from tests.commands import orchestrate
 
 from .. import broken, fmus
 from ..wrong_inputs import SCENARIO
@@ -242,3 +243,18 @@ def _lives(process: int) -> bool:
         return ") Z" not in Path(f"/proc/{process}/stat").read_text()
     except OSError:
         return False
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_a_process_that_is_ended_while_it_starts_is_no_wrong_input(loop, monkeypatch):
+    begin = Process.__init__
+
+    def killed(self, *arguments):
+        begin(self, *arguments)
+        os.kill(self._popen.pid, signal.SIGKILL)
+
+    monkeypatch.setattr(Process, "__init__", killed)
+    loop.write_text(f"{SCENARIO}isolation: process\n")
+    with pytest.raises(BlockError, match="motor: starting its process.*: crashed with SIGKILL"):
+        run(loop)
+    assert orchestrate(loop, "--quiet").exit_code == 3
