@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from fmus.interface import load as interface
 from orchestration.results.settling import settling
 from plant.orbit import earth_fixed, geodetic
 from plant.so3 import Array
@@ -26,9 +25,8 @@ ANGLES = (10, 30, 90, 180)
 """deg"""
 FAILS, ENDS = 1.0, 3.0
 """Orbits after which a part fails, and the flight ends; the last orbit is looked at."""
-ASIDE, AHEAD, PASS, HORIZON = 5.0, 700.0, 1.3, 10.0
-"""deg of arc of the station beside the track; s by which the turn to it begins before it is nearest; orbits until then;
-deg of elevation from which its error counts."""
+ASIDE, PASS, HORIZON, TURN = 5.0, 1.3, 10.0, 0.3
+"""Station aside the track, deg of arc; orbits until it is nearest; least elevation that counts, deg; deg/s of slews."""
 HEALTH = {"gyro": 0, "magnetometer": 1, "GNSS": 2, "star tracker": 3, "sun sensors": 4}
 """Places in the estimator's `health`."""
 
@@ -88,11 +86,9 @@ def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
 def station(facts: Facts) -> tuple[list[Flight], str]:
     """Returns the flight that tracks a station beside the ground track, or why there is none."""
     kind = facts.controller
-    if kind != "controller_planned" or "R_ref" not in set(interface(kind).variables):
-        return (
-            [],
-            f"A station is not tracked: it is with controller_planned alone, and this is {kind or 'no controller'}.",
-        )
+    if kind != "controller_planned":
+        this = kind or "no controller"
+        return [], f"A station is not tracked: it is with controller_planned alone, and this is {this}."
     if not {"plant_sensors", "estimator"} <= facts.blocks.keys():
         return [], "A station is not tracked: the scenario has no sensors or no estimator."
     p = facts.satellite.p
@@ -100,12 +96,15 @@ def station(facts: Facts) -> tuple[list[Flight], str]:
     latitude, longitude = _place(facts, at)
     e, c, j, plant = (facts.blocks[k] for k in ("estimator", kind, "plant_judge", "plant"))
     every = facts.scenario.blocks[c].every
+    torque = 0.2 * facts.satellite.rods
+    slew = 180.0 / TURN + math.radians(TURN) * float(np.linalg.eigvalsh(p.J_B)[2]) / torque  # no turn takes longer
     start = {
         "target_latitude": f"{math.degrees(latitude):.4f} deg",
         "target_longitude": f"{math.degrees(longitude):.4f} deg",
         "target_height": 0,
-        "slew_rate_max": "0.3 deg/s",
-        "slew_torque_max": 0.2 * facts.satellite.rods,
+        "slew_rate_max": f"{TURN} deg/s",
+        "slew_torque_max": torque,
+        "settled_angle": facts.goal,
         "epoch": p.epoch,
         "J_B": p.J_B.tolist(),
     }
@@ -119,9 +118,10 @@ def station(facts: Facts) -> tuple[list[Flight], str]:
         "duration": f"{at + 600.0:.6g} s",
         "blocks": blocks,
         "connections": {"add": added},
-        "timeline": [{"at": f"{max(at - AHEAD, 0.0):.6g} s", "set": {"supervisor.command": 6}}],
+        "timeline": [{"at": f"{max(at - 300.0 - slew, 0.0):.6g} s", "set": {"supervisor.command": 6}}],
     }
-    signals = (*_signals(facts), "supervisor.mode", "supervisor.target_elevation", f"{plant}.omega_B")
+    told = [f"supervisor.{name}" for name in ("mode", "destination", "target_elevation")]
+    signals = (*_signals(facts), *told, f"{plant}.omega_B")
     return [Flight("station", changes, signals)], ""
 
 
@@ -133,7 +133,7 @@ def _place(facts: Facts, t: float) -> tuple[float, float]:
     angle = math.radians(ASIDE)
     up = r / np.linalg.norm(r)
     beside = math.cos(angle) * up + math.sin(angle) * np.cross(along, up)
-    latitude, longitude, _ = geodetic(earth_fixed(t, p.gmst0) @ (6.371e6 * beside))
+    latitude, longitude, _ = geodetic(earth_fixed(t, p.gmst0).T @ (6.371e6 * beside))
     return latitude, longitude
 
 
@@ -143,7 +143,8 @@ def tracking(facts: Facts, flown: Mapping[str, Flown], why: str) -> tuple[Sectio
         return Section("Station tracking", notes=[why]), (math.nan, "")
     one = flown["station"]
     judge, h_w = _signals(facts)
-    seen = (one["supervisor.mode"] == 6) & (one["supervisor.target_elevation"] > math.radians(HORIZON))
+    turned = (one["supervisor.destination"] == 6) & np.isin(one["supervisor.mode"], (2, 6))  # acquiring or there
+    seen = turned & (one["supervisor.target_elevation"] > math.radians(HORIZON))
     if one.failure or not seen.any():
         why = one.failure or "The station was never tracked above the horizon."
         return Section("Station tracking", notes=[why]), (math.inf, "station")

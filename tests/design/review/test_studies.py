@@ -1,5 +1,7 @@
 """What a review flies, against the interfaces of the blocks: each scenario is checked against its FMUs."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -72,3 +74,14 @@ def test_a_held_attitude_is_at_rest_relative_to_the_orbit(facts, tmp_path):
     start = studies.turned(facts, manoeuvres._turn(2, 0.5))["plant"]
     n = 2.0 * np.pi / facts.period
     assert np.asarray(start["Q0"]) @ start["omega_B0"] == pytest.approx([0.0, -n, 0.0], abs=1e-15)
+
+
+def test_the_station_stands_beside_the_ground_track_when_the_satellite_passes(facts):
+    """By hand: the station turns with the Earth, and stands 5 deg of arc off the satellite's zenith line."""
+    values = manoeuvres.station(facts)[0][0].changes["blocks"]["supervisor"]["start"]
+    north, east = (math.radians(float(values[f"target_{name}"].split()[0])) for name in ("latitude", "longitude"))
+    t, p = manoeuvres.PASS * facts.period, facts.satellite.p
+    turned = east + p.gmst0 + 7.292115e-5 * t
+    station = [math.cos(north) * math.cos(turned), math.cos(north) * math.sin(turned), math.sin(north)]
+    r, _ = p.orbit.position_velocity(t)
+    assert math.degrees(math.acos(station @ r / np.linalg.norm(r))) == pytest.approx(5.0, abs=0.25)
