@@ -129,7 +129,7 @@ class _Suggestion:
             match.why.append("descriptions share words")
         if ours.causality != "parameter" and not self._meaning(match):
             return None
-        if ours.causality == "input":
+        if ours.causality != "parameter":
             self._asides(match)
         quaternion = ours.shape == (3, 3) and candidate.size == 4
         form = rotation_form(f"{candidate.stem} {theirs.description}") if ours.shape == (3, 3) else ""
@@ -174,7 +174,9 @@ class _Suggestion:
         """Takes less what is told to be a reference, an earlier value or a bias, or relative to the orbit."""
         ours, theirs = match.ours, match.candidate.variable
         text = f"{match.candidate.stem} {theirs.description}"
-        told = asides(match.candidate.stem, theirs.description) - asides(ours.name, ours.description)
+        output = ours.causality == "output"
+        told = asides(match.candidate.stem, theirs.description, output)
+        told -= asides(ours.name, ours.description, output)
         found = [f"their words tell {what}" for what in sorted(told)]
         rotation = ours.shape == (3, 3)
         if of_orbit(text, rotation) and not of_orbit(ours.description, rotation):

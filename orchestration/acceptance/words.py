@@ -55,8 +55,12 @@ _ASIDE = {
     "a reference": "ref reference target des desired cmd commanded goal setpoint guidance",
     "an earlier value": "prev previous old",
     "a bias": "bias offset drift",
+    "axes of the Earth": "ecef ecr itrf ned enu",
+    "a measurement": "meas measured measurement noisy",
 }
 """What a port is beside the quantity that its other words and its unit tell."""
+_OF_INPUTS, _OF_OUTPUTS = {"a reference"}, {"a measurement"}
+"""What is beside the quantity of an input alone (outputs are commands), and of an output."""
 _FRAME = re.compile(r"\breference (?:frame|axes|system|coordinates)", re.I)
 _WORD = r"[A-Za-z0-9]+"
 _TO = re.compile(rf"\b({_WORD})(?:[- ](?:frame|axes|coordinates))?(?: to |[- ]to[- ]|->|2| into )(?:the )?({_WORD})\b")
@@ -108,10 +112,11 @@ def of_orbit(text: str, rotation: bool = False) -> bool:
     return _OF_ORBIT.search(text) is not None or (rotation and _ORBIT_AXES.search(text) is not None)
 
 
-def asides(name: str, description: str) -> set[str]:
+def asides(name: str, description: str, output: bool) -> set[str]:
     """Returns what a port is told to be beside its quantity, such as a reference."""
     words = {*words_of(name), *words_of(_FRAME.sub("", description))}
-    return {what for what, those in _ASIDE.items() if words & set(those.split())}
+    told = {what for what, those in _ASIDE.items() if words & set(those.split())}
+    return told - (_OF_INPUTS if output else _OF_OUTPUTS)
 
 
 def opposite(ours: str, theirs: str) -> bool:

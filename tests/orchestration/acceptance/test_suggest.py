@@ -156,36 +156,45 @@ def test_scalars_of_roll_pitch_and_yaw_stand_for_the_axes_about_which_they_turn(
 
 
 def entry(folder: Path, block: str, port: str, *theirs: tuple[str, str]) -> str:
-    """The proposed line of a port for an FMU whose inputs, name and description, have its kind or four values."""
-    kinds = {"q": ("", 4), "w": ("rad/s", 3), "a": ("", 3)}
+    """The proposed line of a port for an FMU with these, name and description, in place of a controller's inputs or a
+    plant's outputs."""
+    kinds, kind = {"q": ("", 4), "w": ("rad/s", 3), "a": ("", 3), "p": ("km", 3)}, "input"
+    if block == "plant":
+        kind = "output"
     text = '[block]\nname = "team"\ndescription = "x"\n[experiment]\nstop = 1.0\nstep = 0.1\n'
     for name, description in theirs:
         unit, size = kinds[name[0]]
-        text += f'[variables.{name}]\ncausality = "input"\nshape = [{size}]\nunit = "{unit}"\n'
-        text += f'description = "{description}"\nstart = {[0.0] * size}\n'
+        text += f'[variables.{name}]\ncausality = "{kind}"\nshape = [{size}]\nunit = "{unit}"\n'
+        text += f'description = "{description}"\n'
+        text += f"start = {[0.0] * size}\n" if kind == "input" else "depends_on = []\ninitially_depends_on = []\n"
     fmu = fmus.write(folder / "team.fmu", generated(parse(text, "team.toml"))["modelDescription.xml"])
     return next(line for line in suggest(check(fmu, block)[1]).splitlines() if line.startswith(f"  {port}: "))
 
 
 @pytest.mark.parametrize(
-    ("port", "other", "chosen"),
+    ("block", "port", "other", "chosen"),
     [
-        ("R_NB", ("q_ref", "reference quaternion, body to inertial"), ("q_meas", "measured quaternion")),
-        ("R_NB", ("q_target", "target attitude"), ("q_att", "attitude relative to the reference frame")),
-        ("R_NB", ("q_bo", "quaternion, body to LVLH"), ("q_bi", "quaternion, body to inertial")),
-        ("omega_B", ("w", "body rate relative to LVLH"), ("wi", "inertial body rate")),
-        ("omega_B", ("w_prev", "body rate of the cycle before"), ("w_now", "gyros")),
-        ("omega_B", ("w_drift", "body rate that the gyro has at rest"), ("w_x", "gyros")),
+        ("controller", "R_NB", ("q_ref", "reference quaternion, body to inertial"), ("q_meas", "measured quaternion")),
+        ("controller", "R_NB", ("q_target", "target attitude"), ("q_att", "attitude relative to the reference frame")),
+        ("controller", "R_NB", ("q_bo", "quaternion, body to LVLH"), ("q_bi", "quaternion, body to inertial")),
+        ("controller", "omega_B", ("w", "body rate relative to LVLH"), ("wi", "inertial body rate")),
+        ("controller", "omega_B", ("w_prev", "body rate of the cycle before"), ("w_now", "gyros")),
+        ("controller", "omega_B", ("w_drift", "body rate that the gyro has at rest"), ("w_x", "gyros")),
+        ("plant", "r_N", ("p_ecef", "position, ECEF"), ("p_eci", "position, ECI")),
+        ("plant", "omega_B", ("w_bo", "body rate relative to orbit"), ("w_bi", "body rate")),
+        ("plant", "omega_B", ("w_meas", "measured body rate"), ("w_true", "true rate of the body")),
     ],
 )
-def test_what_is_told_to_be_a_reference_an_earlier_value_or_of_the_orbit_goes_last(tmp_path, port, other, chosen):
+def test_what_is_told_to_be_a_reference_an_earlier_value_or_of_the_orbit_goes_last(
+    tmp_path, block, port, other, chosen
+):
     for ports in ((other, chosen), (chosen, other)):
-        line = entry(tmp_path, "controller", port, *ports)
+        line = entry(tmp_path, block, port, *ports)
         assert chosen[0] in line.replace(",", " ").replace("theirs:", " ").split(), line
-    alone = entry(tmp_path, "controller", port, other)
+    alone = entry(tmp_path, block, port, other)
     assert other[0] in alone
     assert "# unsure" in alone
-    assert "their words tell a" in alone
+    assert "their words tell " in alone
 
 
 @pytest.mark.parametrize(
