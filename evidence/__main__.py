@@ -353,10 +353,14 @@ def rounding(cases: int) -> None:
 
 
 @main.command()
-def single() -> None:
+@click.option(
+    "--sources", type=click.Path(path_type=Path, file_okay=False), help="Only write the C in single precision here."
+)
+def single(sources: Path | None) -> None:
     """Make docs/evidence/single.md: the flight code in single precision, beside double precision and on an emulated
     Cortex-M4."""
-    say(f"written: {floats.make()}")
+    for path in (floats.make(),) if sources is None else floats.sources(sources):
+        say(f"written: {path}")
 
 
 @main.command()

@@ -11,6 +11,8 @@ from fmus.native.generate import camel_case
 HERE = Path(__file__).parent
 _CALLS = ("check", "prepare", "start", "outputs", "step")
 _RECORDS = ("parameter", "input", "output")
+CLOCKS = {"estimator": ("now.t",), "controller_planned_wheels": ("t", "planned.t")}
+"""Where a block's state has its time; in the others `t`."""
 _OUTER = """
 #include "conversion.h"
 
@@ -51,6 +53,8 @@ def inner_header(interface: Interface) -> str:
     title, code = camel_case(interface.code), interface.code
     types = "".join(f"typedef {title}{kind} {kind};\n" for kind in ("Parameters", "Inputs", "Outputs", "State"))
     calls = "".join(f"#define block_{call} {code}_{call}\n" for call in _CALLS)
+    times = " = ".join(f"(x)->{member}" for member in CLOCKS.get(interface.name, ("t",)))
+    calls += f"#define SET_TIME(x, time) ({times} = (time))\n"
     sizes = ", ".join(f"{r.upper()}S = {len(interface.of(r))}" for r in _RECORDS)  # type: ignore[arg-type]
     tables = "\n".join(_table(interface, r, f"static const Field own_{r}s[]") for r in _RECORDS)
     return f'#include "{code}.h"\n\n#include "conversion.h"\n\n{types}{calls}\nenum {{ {sizes} }};\n\n{tables}'

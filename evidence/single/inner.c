@@ -78,7 +78,7 @@ static State *state_at(void *x, double time)
 {
     State *own = (State *)(void *)((unsigned char *)x + sizeof time);
     memcpy(x, &time, sizeof time);
-    own->t = (float)time;
+    SET_TIME(own, (float)time);
     return own;
 }
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fmus.block import Block
 from orchestration import InputError, Result, load, run
 from orchestration.session.read import read
 from orchestration.swap.option import swapped, swaps_of
@@ -19,6 +20,7 @@ from ..processor.firmware import CORTEX_M4
 from ..processor.flights import Flight
 from ..processor.flights import fly as fly_on_board
 from .build import fmu, parts_of
+from .translate import write
 
 PAGE = ROOT / "docs" / "evidence" / "single.md"
 SETTLED = "1 deg"
@@ -82,13 +84,28 @@ class Pair:
         return slow and abs(self.single.rms - self.double.rms) <= max(RMS * self.double.rms, LEAST_RMS)
 
 
+BLOCKS = sorted({block for _, places in FLOWN for block in places.values()})
+
+
+def sources(folder: Path) -> list[Path]:
+    """Writes the translated C of each block, and returns its folders."""
+    for block in BLOCKS:
+        write(Block.named(block), folder / block)
+    return [folder / block for block in BLOCKS]
+
+
 def make() -> Path:
     """Flies, and writes the page. Raises InputError, CompilerError, BlockError."""
-    blocks = sorted({block for _, places in FLOWN for block in places.values()})
-    fmus = {block: fmu(block, FOLDER / "single" / block) for block in blocks}
+    fmus = {block: fmu(block, FOLDER / "single" / block) for block in BLOCKS}
     doubles = {name: run(ROOT / "scenarios" / f"{name}.yaml") for name in dict.fromkeys(name for name, _ in FLOWN)}
     pairs = [pair(name, places, doubles[name], flown(name, places, fmus)) for name, places in FLOWN]
     boards = [on_board(name, *place, fmus) for name, places in FLOWN if len(places) == 1 for place in places.items()]
+    PAGE.write_text(page(pairs, boards), "utf-8")
+    return PAGE
+
+
+def page(pairs: list[Pair], boards: list[Flight]) -> str:
+    """The page's text."""
     shown = {
         "flights": [_flight(p) for p in pairs],
         "boards": [_board(b) for b in boards],
@@ -97,8 +114,7 @@ def make() -> Path:
         "clocks": [_clock(h) for h in STEPS],
         "rounded": [f"to {np.spacing(np.float32(86400 * d)) / 2:.2g} s after {d} days" for d in (1, 10, 100)],
     }
-    PAGE.write_text(markdown.render(Path(__file__).parent, **shown), "utf-8")
-    return PAGE
+    return markdown.render(Path(__file__).parent, **shown)
 
 
 def flown(name: str, places: dict[str, str], fmus: dict[str, Path], **settings: str) -> Result:
