@@ -57,13 +57,17 @@ def reference(name: str, folder: Path) -> Interface:
     loop = {block: load(block) for block in LOOP if block != place(name)}
     taken = {v.name for other in loop.values() for v in other.of("input") if not v.optional}
     needed = frozenset(v.name for v in interface.of("output") if v.name in taken)
-    starts = {
+    others = {block: replace(_model(other), starts=_starts(other)) for block, other in loop.items()}
+    return Interface(name, _model(interface), _starts(interface), needed, others)
+
+
+def _starts(interface: Any) -> dict[Element, Any]:
+    return {
         Element(variable.name, position): element.start
         for variable in interface.variables.values()
         for position, element in enumerate(variable.elements)
         if element.start is not None
     }
-    return Interface(name, _model(interface), starts, needed, {block: _model(other) for block, other in loop.items()})
 
 
 @cache

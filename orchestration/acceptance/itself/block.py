@@ -11,6 +11,7 @@ import numpy as np
 
 from fmus.field import EarthField
 
+from ...fmu.model import Model
 from ...results.data import RunData
 from ...scenario.source import Source
 from ..compare import Comparison
@@ -23,9 +24,10 @@ from .motion import motion
 from .response import READ, responses
 from .signals import Signals, signals, told
 
-_PLANT = {"dipole_cmd", "R_NB", "omega_B", "r_N", "v_N", "b_B"}
-_CONTROLLER = {"R_NB", "omega_B", "tau_cmd_B"}
-_ESTIMATOR = {"b_B_measured", "R_NB", "omega_B"}
+_PLANT = {"dipole_cmd"}, {"R_NB", "omega_B", "r_N", "v_N", "b_B"}
+_CONTROLLER = {"R_NB", "omega_B"}, {"tau_cmd_B"}
+_ESTIMATOR = {"b_B_measured"}, {"R_NB", "omega_B"}
+"""Inputs and outputs by which each is known."""
 _FEWEST = 60
 
 
@@ -34,14 +36,14 @@ def judge(ours: Source, theirs: Source, comparison: Comparison) -> list[Trial]:
     estimator. Raises BlockError and InputError."""
     block = comparison.block
     loop = Loop(ours)
-    ports = {v.name for v in loop.plan.models[block].of("input", "output")}
-    if ports >= _PLANT:
+    model = loop.plan.models[block]
+    if _is(model, *_PLANT):
         return list(plant(_played(loop, comparison)))
-    if ports >= _ESTIMATOR:
+    if _is(model, *_ESTIMATOR):
         truth = _plant_of(loop)
         true = _thinned(loop, comparison.theirs, block, truth) if truth else Signals(comparison.theirs.time, {})
         return list(estimate(_thinned(loop, comparison.theirs, block), true))
-    if ports >= _CONTROLLER:
+    if _is(model, *_CONTROLLER):
         return list(_responses(loop, Loop(theirs), comparison))
     return []
 
@@ -97,8 +99,11 @@ def _thinned(loop: Loop, run: RunData, block: str, of: str | None = None) -> Sig
 
 
 def _plant_of(loop: Loop) -> str | None:
-    models = loop.plan.models
-    return next((n for n, model in models.items() if {v.name for v in model.of("input", "output")} >= _PLANT), None)
+    return next((name for name, model in loop.plan.models.items() if _is(model, *_PLANT)), None)
+
+
+def _is(model: Model, inputs: set[str], outputs: set[str]) -> bool:
+    return {v.name for v in model.of("input")} >= inputs and {v.name for v in model.of("output")} >= outputs
 
 
 def _responses(ours: Loop, theirs: Loop, comparison: Comparison) -> Iterator[Trial]:

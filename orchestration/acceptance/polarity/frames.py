@@ -107,6 +107,8 @@ def other_frame(
     looked = 0
     near: list[tuple[float, Reading, Floats]] = []
     for reading in allowed:
+        if clock() > ends:
+            return None
         unknowns, left = _fitted(ours, reading, *few, reading.starts, ("all" if rest is None else "freed", "evenly"))
         if not len(unknowns) or (
             left <= (_NEAR if rest is None else _NEAR_WITH_CAUSES) and np.abs(unknowns).max() >= _LEAST

@@ -304,6 +304,15 @@ def test_accept_shows_a_right_controllers_steps_beside_ours(tmp_path):
         assert theirs == ours
 
 
+@pytest.mark.thorough
+def test_a_controller_that_reads_what_a_plant_gives_is_not_judged_as_one():
+    path = SCENARIO.with_name("flight_pyramid.yaml")
+    fmu = open_scenario(load(read(path))).fmus["controller"].path
+    made = accept(Path(fmu), "controller_wheels", None, read(path), "controller")
+    assert made.passed
+    assert not made.alone
+
+
 # ---------------------------------------------------------------- an estimator
 
 

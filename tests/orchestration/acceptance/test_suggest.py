@@ -43,6 +43,17 @@ def test_the_example_s_ports_are_all_found_and_only_signs_and_axes_are_left_to_s
     assert {"holding", "hold_fraction"} <= set(mapping.ignore)
 
 
+def test_a_speed_stands_for_the_momentum_by_our_wheels_inertia_where_theirs_has_none(tmp_path):
+    path = proposed(
+        tmp_path,
+        ("[variables.rotor_inertia]", "[variables.rotor_mass]"),
+        ('unit = "g.cm2"', 'unit = "g"'),
+        ('"rotor_inertia"', '"rotor_mass"'),
+    )
+    assert load(path)[0].ports["h_w"].divide == "1.47e-05 kg.m2"
+    assert "by wheel_inertia of our plant" in path.read_text("utf-8")
+
+
 def test_what_rests_on_a_factor_or_on_a_name_alone_is_marked_as_unsure(tmp_path):
     lines = proposed(tmp_path).read_text("utf-8").splitlines()
     unsure = {line.split(":")[0].strip() for line in lines if "# unsure" in line}
