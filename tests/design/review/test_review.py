@@ -68,7 +68,7 @@ def test_a_review_has_all_sections_and_goes_on_where_it_was_stopped(satellite, t
 
 def test_the_time_that_is_announced_is_that_of_all_steps_at_the_speed_that_was_measured(facts):
     options = Options(runs=100, members=20, workers=2)
-    said = run._planned(facts, options, 1000.0)
+    said = run._planned(facts, options, 1, 1000.0)
     assert "1,000 steps a second" in said
     orbits = float(said.partition(" flights, ")[2].partition(" orbits")[0])
     steps = orbits * facts.period / facts.scenario.step
