@@ -20,12 +20,17 @@ STYLE = """
 .off { background: var(--warn-soft); padding: 0 .25rem; border-radius: .2rem; }
 .drawing { max-width: 420px; margin: 0 0 1rem; }
 .csv { font-size: .82rem; }
+.wide td:first-child { white-space: nowrap; }
 .about { color: var(--quiet); font-size: .86rem; max-width: 70rem; }
 .about + h3 { margin-top: 1rem; }
 nav ol { columns: 18rem; padding-left: 1.4rem; }
-@media print { section { break-inside: auto; } .drawing { max-width: 300px; } nav { display: none; } }
+@media print { section { break-inside: auto; } .drawing { max-width: 300px; } nav { display: none; }
+  .wide { font-size: .72rem; } .wide th, .wide td { padding-right: .4rem; }
+  .wide td:nth-last-child(-n+2) { min-width: 6rem; } }
 """
 NAME = "review.html"
+WIDE = 8
+"""Columns of a table whose letters are smaller on paper."""
 DEPTH = 1e-4
 """Of the largest value: the least that a logarithmic axis has."""
 _STATUS = ("met", "not met", "undecided", "not verifiable")
@@ -87,7 +92,8 @@ def table(one: Table) -> Markup:
     cells = [[_cell(text) for text in row] for row in one.rows]
     head = Markup('<h3>{} <a class="csv" href="{}">CSV</a></h3>\n').format(one.name, one.file)
     note = Markup('<p class="about">{}</p>\n').format(one.note) if one.note else Markup("")
-    return head + html.table(one.columns, cells, "review named" if len(one.columns) > 2 else "review") + note
+    wide = " wide" if len(one.columns) >= WIDE else ""
+    return head + html.table(one.columns, cells, f"review named{wide}" if len(one.columns) > 2 else "review") + note
 
 
 def _cell(text: str) -> str | Markup:
