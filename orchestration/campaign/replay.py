@@ -136,9 +136,12 @@ def scenario_text(case: Case, values: Mapping[StartName, Any], title: str, name:
     folder = case.scenario.source.folder
     for block, entry in data["blocks"].items():
         entry["start"] = start_values(plan.models[block], starts[block])
-        for key in ("fmu", "interface"):
-            if key in entry and is_path(entry[key]):
-                entry[key] = str((folder / Path(entry[key]).expanduser()).resolve())
+        if not entry.get("fmu"):  # a law or a record
+            entry.pop("fmu", None)
+        files = [(entry, key) for key in ("fmu", "interface", "python") if key == "python" or is_path(entry.get(key, ""))]
+        for holder, key in [*files, (entry.get("telemetry", {}), "file")]:
+            if holder.get(key):
+                holder[key] = str((folder / Path(holder[key]).expanduser()).resolve())
         if entry.get("map", {}).get("file"):
             entry["map"] = str((folder / Path(entry["map"]["file"]).expanduser()).resolve())
     return f"# {title}, written by orchestrate campaign.\n{written(data)}"

@@ -31,6 +31,7 @@ from .paths import PATH
 from .status import BLOCK_FAILED, EXPECTATION_FAILED, SIGNALLED
 from .summary import judged, save
 from .summary import summary as run_summary
+from .watch import watched
 
 
 @click.command(
@@ -88,6 +89,8 @@ def command(
     overrides = {key: value for key, value in (("runs", runs), ("seed", seed)) if value is not None}
     case = read_campaign(file, overrides, settings(sets))
     target = out or Path("results") / case.campaign.name
+    if workers == 0 or index is not None:
+        ctx.with_resource(watched(case.scenario, lost="runs that are written are kept"))
     if index is not None:
         ctx.exit(_replay(case, index, target, quiet, open_))
     if not quiet:

@@ -25,6 +25,7 @@ from .overrides import Changes
 from .paths import PATH
 from .status import BLOCK_FAILED, NOT_EQUIVALENT
 from .summary import judged, save
+from .watch import watched
 
 FILES = ("ours", "theirs", "comparison.html", "comparison.json")
 """Names of what it leaves in its folder."""
@@ -72,6 +73,7 @@ def command(
     theirs = swapped(source, change.given)
     target = out or Path("results") / f"{load(source).name}-{block}"
     refuse_foreign(target, FILES)
+    ctx.with_resource(watched(load(theirs), lost="nothing of this comparison is written"))
     try:
         comparison = compare(source, theirs, block, wanted)
     except BlockError as error:

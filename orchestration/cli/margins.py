@@ -30,6 +30,7 @@ from .overrides import Changes
 from .paths import PATH
 from .repeated import followed, multipliers, samples_of
 from .status import EXPECTATION_FAILED
+from .watch import watched
 
 LEAST = 16
 """Samples of a window, at least."""
@@ -133,6 +134,7 @@ def command(
     target = out or Path("results") / f"{loaded.name}-margins"
     check_writable(target)
     refuse_links(target)
+    ctx.with_resource(watched(loaded, lost="nothing is written"))
     with Session(open_scenario(loaded)) as session:
         plan = session.opened.plan
         begin = seconds("--when", when, loaded.duration)

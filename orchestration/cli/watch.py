@@ -24,14 +24,17 @@ from ..session.limits import limits
 from .console import complain
 from .status import BLOCK_FAILED
 
+_LOST = "nothing of this run is written, earlier results are kept"
 _WAITED = {getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGCHLD") if hasattr(signal, name)}
 
 
 @contextmanager
-def watched(scenario: Scenario, records: Iterable[Path] = ()) -> Iterator[None]:
-    """Goes on in a process of its own where FMUs of others or laws run in this one; this one waits for it, and says
-    where one has ended it, and completes the records of calls. Only on Linux, and not where the command is called by
-    another program's Python."""
+def watched(scenario: Scenario, records: Iterable[Path] = (), lost: str = _LOST) -> Iterator[None]:
+    """Goes on in a process of its own where FMUs of others or laws run in this one; this one waits for it.
+
+    It says where one has ended the other and what is `lost`, and completes the records of calls. Only on Linux, and not
+    where the command is called by another program's Python.
+    """
     blocks = scenario.blocks.items()
     guests = any((entry.python or is_path(entry.fmu)) and limits(scenario, name) is None for name, entry in blocks)
     if not guests or not hasattr(signal, "sigwaitinfo") or sys.stdout is not sys.__stdout__:
@@ -41,7 +44,7 @@ def watched(scenario: Scenario, records: Iterable[Path] = ()) -> Iterator[None]:
     print(end="", flush=True, file=sys.stderr)
     master, before = os.getpid(), signal.pthread_sigmask(signal.SIG_BLOCK, _WAITED)
     if child := os.fork():
-        _wait(child, before, records)
+        _wait(child, before, records, lost)
     signal.pthread_sigmask(signal.SIG_SETMASK, before)
     end_with(master)
     try:
@@ -50,7 +53,7 @@ def watched(scenario: Scenario, records: Iterable[Path] = ()) -> Iterator[None]:
         TRACE.finish()
 
 
-def _wait(child: int, before: set[int], records: Iterable[Path]) -> NoReturn:
+def _wait(child: int, before: set[int], records: Iterable[Path], lost: str) -> NoReturn:
     """Ends as the child does, or with the status of an FMU that failed; passes on what other processes send.
 
     The terminal sends its signals to both. `before` is the mask of signals without those that are waited for here.
@@ -65,7 +68,7 @@ def _wait(child: int, before: set[int], records: Iterable[Path]) -> NoReturn:
     for record in records:
         with suppress(OSError):
             complete(record)
-    killed, lost = -status == signal.SIGKILL, "nothing of this run is written, earlier results are kept"
+    killed = -status == signal.SIGKILL
     if TRACE.done or killed or -status in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         if killed and not TRACE.done:
             complain(f"{TRACE.text}: the run was killed (SIGKILL, as the system does for want of memory); {lost}")
