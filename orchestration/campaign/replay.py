@@ -138,8 +138,8 @@ def scenario_text(case: Case, values: Mapping[StartName, Any], title: str, name:
         entry["start"] = start_values(plan.models[block], starts[block])
         if not entry.get("fmu"):  # a law or a record
             entry.pop("fmu", None)
-        files = [(entry, key) for key in ("fmu", "interface", "python") if key == "python" or is_path(entry.get(key, ""))]
-        for holder, key in [*files, (entry.get("telemetry", {}), "file")]:
+        files = [(entry, key) for key in ("fmu", "interface") if is_path(entry.get(key, ""))]
+        for holder, key in (*files, (entry, "python"), (entry.get("telemetry", {}), "file")):
             if holder.get(key):
                 holder[key] = str((folder / Path(holder[key]).expanduser()).resolve())
         if entry.get("map", {}).get("file"):
