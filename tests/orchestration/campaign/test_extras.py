@@ -18,3 +18,16 @@ def test_runs_are_kept_with_their_signals(toy):
         signals = Path(f"out/kept/{index}/signals.csv").read_text("utf-8").splitlines()
         assert len(signals) == 22
         assert float(signals[-1].split(",")[1]) == rows()[index]["final"]
+
+
+def test_so_many_of_the_first_runs_that_failed_are_kept(toy):
+    Path("mine.py").write_text(
+        "def f(time, signals):\n"
+        "    if signals['motor.speed'][0] < 1.7:\n        raise ValueError('slow')\n    return 1.0\n"
+    )
+    metric = "metrics:\n  - {name: own, python: 'mine:f', signals: [motor.speed]}"
+    changed(toy, ("runs: 60", "runs: 20\nkeep: {failed: 3}"), ("metrics:", metric))
+    fly(toy)
+    failed = [row["index"] for row in rows() if row["status"] == "failed"]
+    assert 3 < len(failed) < 20
+    assert json.loads(Path("out/campaign.json").read_text("utf-8"))["kept"] == failed[:3]

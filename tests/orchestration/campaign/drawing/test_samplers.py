@@ -154,3 +154,8 @@ def test_the_ends_may_have_units_of_one_kind():
         made(uniform=["0 deg", "1 m"])
     with pytest.raises(QuantityError, match="a unit at each number"):
         made(uniform=["1 deg", 2])
+
+
+def test_a_grid_has_so_many_points_and_both_ends_among_them():
+    one = made(grid={"from": 1, "to": 4, "points": 4})
+    assert [one.value([u]) for u in (0.1, 0.3, 0.6, 0.9)] == [1.0, 2.0, 3.0, 4.0]

@@ -44,3 +44,18 @@ def test_a_row_that_is_taken_back_leaves_nothing_and_another_takes_its_place(dat
     assert [data.row(i) for i in range(3)] == [[0, OK, "", True], [1, OK, "", False], [2, FAILED, "b", False]]
     assert (data.done.sum(), data.failed.sum(), data.met["a"].sum()) == (3, 1, 1)
     assert len(data.files) == len(list(data.folder.glob("*.parquet")))
+
+
+def test_parts_are_written_every_two_seconds_at_first_and_each_fiftieth_of_a_long_campaign(tmp_path, monkeypatch):
+    """So that a kill costs little, and a campaign of hours has no thousands of files."""
+    begun = 1e6
+    clock = iter([begun])
+    monkeypatch.setattr("orchestration.campaign.flying.dataset.monotonic", lambda: next(clock))
+    job = SimpleNamespace(columns=KINDS, requirements=[SimpleNamespace(name="a")])
+    data = Dataset(tmp_path, job, 20, listed=lambda: None)
+    written = []
+    for index, at in enumerate((1.5, 2.5, 4.0, 5.0, 1000.0, 1010.0, 1021.0)):
+        clock = iter([begun + at] * 2)  # of the row, and of a part that is written
+        data.add([[index, OK, "", True]])
+        written.append(len(list(data.folder.glob("*.parquet"))))
+    assert written == [0, 1, 1, 2, 3, 3, 4]

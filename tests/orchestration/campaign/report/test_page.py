@@ -59,6 +59,19 @@ def test_the_page_says_what_came_of_the_campaign(text):
         assert said in words, said
 
 
+@pytest.mark.parametrize("lower_is_worse", [False, True])
+def test_a_row_of_metrics_has_what_half_of_the_runs_reach_and_says_where_they_never_do(lower_is_worse):
+    values = np.append(np.arange(1.0, 61.0), [np.inf] * 35 + [np.nan] * 5)
+    bounds = {"low": 0.0, "probability": 0.5} if lower_is_worse else {}
+    values = np.where(np.isinf(values), -np.inf, values) if lower_is_worse else values
+    metric = plots.Metric("time", "", "s", values, met=values > 0.0, **bounds)
+    assert metric.lower_is_worse is lower_is_worse
+    half, most = (str(cell) for cell in report._metric(metric, 5, False)[1:3])
+    assert f"{'≥ 11' if lower_is_worse else '≤ 50'} s" in half
+    assert "never or failed" not in half
+    assert "never or failed" in most
+
+
 def test_a_required_bound_is_on_the_axis_or_told_to_lie_beyond_it():
     values = np.linspace(2.0, 3.0, 50)
     for bound, on_it in ((5.5, True), (500.0, False)):
