@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -130,6 +131,8 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
     say(f"{folder}: {found.about}")
     for path in files:
         say(f"  {path}")
+    flown = shlex.quote(str(folder / found.flown))
+    say(f"fly it:        orchestrate {flown}\nreview it:     orchestrate review {flown}")
     if bare := found.bare(given):
         tell([f"numbers without a unit were taken in SI units: {', '.join(bare)}"])
     tell(notes)

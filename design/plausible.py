@@ -385,7 +385,7 @@ def _of_no_wheel(s: Satellite) -> Iterator[Finding]:
         yield Finding(
             f"there is no wheel, and disturbances are up to {total:.2g} N.m ({parts})",
             f"at most {bound:.2g} N.m, twice the mean moment of inertia times the square of the orbit's rate",
-            f"rods alone will not stay within {math.degrees(s.goal):.3g} deg: a wheel, a smaller residual dipole or a "
+            f"rods alone seldom stay within {math.degrees(s.goal):.3g} deg: a wheel, a smaller residual dipole or a "
             "higher orbit",
         )
 

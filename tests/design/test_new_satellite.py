@@ -242,6 +242,7 @@ def test_asked_in_the_terminal_it_takes_answers_and_leaves_what_is_not_needed(tm
     result = orchestrate("new", "satellite", str(tmp_path / "cube"), "--interactive", input="\n".join(answers) + "\n")
     assert result.exit_code == 0, result.stderr
     text = (tmp_path / "cube" / "satellite.yaml").read_text()
+    assert f"review it:     orchestrate review {tmp_path / 'cube' / 'tumble.yaml'}" in result.stdout
     assert "of a homogeneous body of 4 kg" in text
     assert "wheel_momentum_max: 1e-9 N.m.s" in text
 
