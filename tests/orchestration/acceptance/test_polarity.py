@@ -17,7 +17,7 @@ from orchestration.acceptance.polarity.mend import as_yaml
 from orchestration.acceptance.polarity.ports import Port, miswired
 from orchestration.acceptance.polarity.swaps import look
 from orchestration.acceptance.polarity.trials import ports_of, run
-from orchestration.acceptance.polarity.wrongs import wrongs
+from orchestration.acceptance.polarity.wrongs import left_handed, wrongs
 from orchestration.quantities import parse_unit
 from orchestration.scenario.text import parse
 from orchestration.session.open import open_scenario
@@ -48,7 +48,7 @@ def paper():
 @pytest.fixture(scope="module")
 def estimated():
     loop = Loop(read(SCENARIOS / "flight_estimated.yaml").with_value("duration", "60 s", "--duration"))
-    assert loop.fly()[0] is None
+    assert loop.fly() == (None, 60.0)  # what shows something, and how long it flew
     return loop
 
 
@@ -63,6 +63,16 @@ def test_a_vector_has_47_wrong_signed_permutations_and_its_usual_factors():
     assert sorted(float(w.matrix[0, 0]) for w in tried if w.kind == "unit") == pytest.approx(
         [1e-9, 1e-6, 1e-4, 1e4, 1e6, 1e9]
     )
+
+
+def test_a_wiring_is_left_handed_where_it_mirrors_and_not_where_it_turns_or_negates():
+    """A matrix of determinant below zero mirrors; -1 times the vector is its opposite sign and no mirror."""
+    tried = [w for w in wrongs(port("vector", 3, "T")) if w.kind == "axes"]
+    signed = [np.sign(np.linalg.det(w.matrix)) for w in tried]
+    mirrors = [w for w in tried if left_handed(w)]
+    assert len(mirrors) == signed.count(-1.0) - 1 == 23
+    assert all(np.linalg.det(w.matrix) < 0.0 for w in mirrors)
+    assert not any((w.matrix == -np.eye(3)).all() for w in mirrors)
 
 
 def test_an_attitude_has_each_wrong_wiring_once_and_those_of_its_quaternion_are_rotations():
