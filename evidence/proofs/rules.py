@@ -24,7 +24,7 @@ from orchestration.cli.console import say
 from ..tools import tool
 from .subjects import ELEMENTARY, HERE
 
-BLOCKS = ("allocator", "allocator_bounded", "controller", "supervisor", "estimator")
+BLOCKS = ("allocator", "allocator_bounded", "controller", "supervisor", "estimator", "controller_planned")
 ADVISORY = frozenset(
     "2.3 2.4 2.5 2.6 2.7 4.2 5.9 8.7 8.9 8.11 8.13 10.5 11.4 11.5 12.1 12.3 12.4 13.3 13.4 15.1 15.4 15.5 17.5 "
     "17.8 18.4 "
