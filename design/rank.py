@@ -92,7 +92,6 @@ def ranked(laws: Mapping[str, Source], starts: Sequence[Mapping[str, Any]], belo
     for name, source in laws.items():
         rows.append(_row(name, source, starts, below))
         bar(len(rows))
-    bar.close()
     return sorted(rows, key=lambda row: (-row.settled, row.median, row.rms))
 
 
@@ -165,13 +164,9 @@ def compared(source: Source, place: str) -> dict[str, Source]:
 @click.option("--runs", default=5, show_default=True, type=click.IntRange(1), help="Tumbles that each law flies.")
 @click.option("--rate", default=4.0, show_default=True, type=Between(0.0, 500.0),
               help="Size of the body rate at the start, deg/s.")  # fmt: skip
-@click.option(
-    "--below",
-    default=15.0,
-    show_default=True,
-    type=Between(0.0, 181.0, min_open=True),
-    help="Error below which a flight is settled for good, deg: to its end, and for its last sixth at least.",
-)
+@click.option("--below", default=15.0, show_default=True, type=Between(0.0, 181.0, min_open=True),
+              help="Error below which a flight is settled for good, deg: to its end, and for its last sixth at least."
+)  # fmt: skip
 @click.option("--duration", metavar="T", help="Of each flight, instead of the scenario's.")
 @click.option("--seed", default=1, show_default=True, type=click.IntRange(0), help="Of the tumbles.")
 @click.option("--alone", is_flag=True, help="Only these laws, without those to compare with.")
@@ -216,7 +211,10 @@ def command(
             )
         flown[law.stem], own[law.stem] = with_law(source, place, law), str(law)
     bar = Progress(len(flown), True, "laws")
-    rows = ranked(flown, tumbles(runs, math.radians(rate), seed), math.radians(below), bar)
+    try:
+        rows = ranked(flown, tumbles(runs, math.radians(rate), seed), math.radians(below), bar)
+    finally:
+        bar.close()
     say_table(
         ("law", "settled", "median, s", "worst, s", "rms after, deg", "largest after, deg", "wheel, N.m.s"),
         [
