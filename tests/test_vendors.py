@@ -67,3 +67,18 @@ def test_pairs_that_were_missed_once_are_named(number, pair, tmp_path):
     verdict = judge(case, path, ours)
     assert verdict.named, verdict.said
     assert not verdict.false
+
+
+@pytest.mark.compile
+def test_a_turn_of_all_is_named_where_theirs_has_no_limit_at_which_ours_would_hold(tmp_path):
+    ours = read(SCENARIO)
+    opened = open_scenario(load(ours))
+    case = kinds.make(1, ["axes of all, untold"], units=True)
+    assert case.vendor.block == "allocator"
+    for name in ("dipole_max", "wheel_torque_max"):
+        case.vendor.changed[name, 0] = 100.0
+    starts = [(start.element, start.value) for start in opened.plan.starts["allocator"]]
+    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus["allocator"], starts, "FMI 2")
+    verdict = judge(case, path, ours)
+    assert verdict.named, verdict.said
+    assert not verdict.false

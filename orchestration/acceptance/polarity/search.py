@@ -121,6 +121,8 @@ class Search(Identifier):
         if best.named and best.after <= ALIKE:
             return best
         if not best.named:
+            best = min(best, self._turned(wired), key=_worth)
+        if not best.named:
             best = self._with_frame(best, wired, clock() + seconds)
         if not best.named:
             best = self._with_parameter(best, [], wired, clock() + seconds)
@@ -142,6 +144,13 @@ class Search(Identifier):
             framed = self._framed(tried, clock() + seconds / 2)
             best = self._with_frame(best, wired, clock() + seconds / 2, framed)
         return replace(best, complete=complete)
+
+    def _turned(self, wired: _Wired) -> Identified:
+        """Looks at one turn of all vectors of a frame on theirs, whose inputs are handed over so that it reads those of
+        ours: ours that misreads its inputs may meet limits or a hold that theirs has not."""
+        scored = sorted(((self.corrected(c), c) for c in self.common()), key=lambda pair: pair[0].cost)
+        near = [pair for pair in scored[:4] if pair[0].error < _LARGE]
+        return self._explained(near, wired) if near else self._found({}, wired, wired.before)
 
     def _as_wired(self, theirs: dict[str, Floats]) -> tuple[float, tuple[str, float] | None]:
         """Returns how far theirs is from ours with nothing changed, and which output differs first."""
@@ -179,7 +188,7 @@ class Search(Identifier):
             for outputs in ({}, score.outputs) if score.outputs else ({},):
                 causes, after = self.explain(ours, read, outputs)
                 one = self._found(every, wired, after, causes, outputs)
-                if every and one.named:
+                if one.named and any(w.kind == "unit" for w in every.values()):
                     one = replace(one, after=max(after, self._forward(every, outputs, wired)))
                 found.append(one)
         if not found:
