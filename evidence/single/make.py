@@ -40,7 +40,6 @@ FLOWN: tuple[tuple[str, dict[str, str]], ...] = (
         "flight_estimated",
         {"estimator": "estimator", "controller": "controller_planned", "allocator": "allocator_bounded"},
     ),
-    ("flight_hold", {"controller": "controller_planned", "allocator": "allocator_bounded"}),
     (
         "mission_day",
         {
@@ -52,8 +51,8 @@ FLOWN: tuple[tuple[str, dict[str, str]], ...] = (
     ),
 )
 """Scenarios, and the blocks that fly in single precision, by their places."""
-ON_BOARD = {"controller_planned": "120 s", "controller_planned_wheels": "60 s", "estimator": "120 s"}
-"""How long the slow ones fly on the emulated processor; the others 300 s."""
+ON_BOARD = "60 s"
+"""How long a block flies on the emulated processor."""
 STEPS = (0.1, 0.5, 1.0, 2.0)
 
 
@@ -125,7 +124,7 @@ def flown(name: str, places: dict[str, str], fmus: dict[str, Path], **settings: 
 
 def on_board(name: str, place: str, block: str, fmus: dict[str, Path]) -> Flight:
     """The block on the emulated Cortex-M4, held against this machine's flight in single precision."""
-    settings = {"duration": ON_BOARD.get(block, "300 s")}
+    settings = {"duration": ON_BOARD}
     here = flown(name, {place: block}, fmus, **settings)
     path, folder = ROOT / "scenarios" / f"{name}.yaml", FOLDER / "single" / "firmware"
     return fly_on_board(path, place, folder, here, CORTEX_M4, parts_of, settings)

@@ -32,6 +32,7 @@ NOT_RUN = {
     "python -m evidence optimum --cases 50": "takes minutes, needs casadi and writes docs/evidence/optimum.md",
     "python -m evidence rival --cases 50": "takes minutes; tests/evidence/flight/test_rival.py flies one",
     "python -m evidence rounding": "takes minutes; tests/evidence/rounding measures fewer samples",
+    "python -m evidence single": "takes many minutes and needs QEMU; tests/evidence/single flies one block",
     "python -m plant.tables.density_fit": "writes the table plant/tables/density.csv; a test compares it with pymsis",
     "make prove": "takes an hour, needs Frama-C and writes docs/evidence/proofs.md; tests/evidence/proofs "
     "proves a block",

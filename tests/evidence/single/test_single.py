@@ -95,7 +95,7 @@ def test_each_block_has_its_time_where_the_adapter_writes_it(name: str, tmp_path
 
 
 def test_after_two_hours_of_tenths_of_a_second_the_time_is_right(tmp_path: Path) -> None:
-    """Seen by a reference that turns: with steps that are added in single precision it is 4 s, 0.04 rad, off."""
+    """Seen by a reference that turns: with steps that are added in single precision it is 4.7 s, 0.05 rad, off."""
     with zipfile.ZipFile(fmu("controller", tmp_path)) as archive:
         guid = archive.read("modelDescription.xml").decode().partition('guid="')[2].partition('"')[0]
         library = archive.extract(next(n for n in archive.namelist() if n.endswith("controller.so")), tmp_path)
@@ -118,5 +118,5 @@ def test_a_processor_without_double_precision_gives_the_same_bits(tmp_path: Path
 
     flight = on_board("paper_no_singularity", "allocator", "allocator", {"allocator": fmu("allocator", tmp_path)})
     assert not flight.differing
-    assert flight.samples == 3001
+    assert flight.samples == 601
     assert not flight.firmware.doubles
