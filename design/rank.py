@@ -20,6 +20,7 @@ from orchestration.cli.console import Progress, complain, say, say_table
 from orchestration.cli.help import examples
 from orchestration.cli.options import Between
 from orchestration.cli.status import BLOCK_FAILED, EXPECTATION_FAILED
+from orchestration.cli.watch import watched
 from orchestration.errors import BlockError, writing
 from orchestration.results.settling import Settling, settling
 from orchestration.results.whole import putting
@@ -210,6 +211,7 @@ def command(
                 f"{law}: the name {law.stem!r} is that of {own[law.stem]}; remedy: another name of the file"
             )
         flown[law.stem], own[law.stem] = with_law(source, place, law), str(law)
+    ctx.with_resource(watched(load_scenario(flown[laws[0].stem]), lost="no table is written"))
     bar = Progress(len(flown), True, "laws")
     try:
         rows = ranked(flown, tumbles(runs, math.radians(rate), seed), math.radians(below), bar)

@@ -103,6 +103,11 @@ def flat(scenario: Scenario, kept: bool = False) -> System:
     A block with `every` has its rate as sample_period; faults, delays and the timeline are FMUs before the blocks to
     which they happen. With `kept` all this stays in the annotation of an archive, for orchestrate.
     """
+    for name, entry in scenario.blocks.items():
+        if entry.python is not None:
+            text = f"{entry.python} is a law in Python; archives and containers hold FMUs only"
+            made = f"orchestrate new {entry.interface or name} FOLDER --from {entry.python} makes one of it"
+            raise InputError(scenario.error(("blocks", name, "python"), text, remedy=made))
     opened = open_scenario(scenario, open_fmus(scenario, here=False))
     fmus, prepared, plan = opened.fmus, opened.prepared, opened.plan
     _check(scenario, opened)

@@ -2,6 +2,9 @@
 
 import csv
 import math
+import os
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,6 +16,7 @@ from design.laws import bdot, lqr, paper, pd, unloading
 from orchestration.session.read import read
 from tests.commands import orchestrate
 
+ROOT = Path(__file__).parents[2]
 SCENARIO = "scenarios/flight_tumble.yaml"
 J = np.diag([0.042, 0.03, 0.007])
 
@@ -127,6 +131,25 @@ def test_a_law_that_fails_is_counted_and_told(tmp_path):
     still.write_text("def step(i, p, t, h):\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
     assert orchestrate("rank", law, still, *arguments).exit_code == 3
     assert orchestrate("rank", still, *arguments).exit_code == 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="flights are waited for on Linux alone")
+def test_a_law_that_ends_the_process_is_no_success(tmp_path):
+    law = tmp_path / "law.py"
+    law.write_text("import os\ndef step(i, p, t, h):\n    if t > 2: os._exit(0)\n    return {'tau_cmd_B': [0.0] * 3}\n")
+    line = [sys.executable, "-m", "orchestration", "rank", str(law), "--alone", "--duration", "5 s", "--scenario"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [*line, str(ROOT / "scenarios" / "flight_tumble.yaml")],
+        env=environment,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 3
+    assert "controller: step: ended the run with exit status 0; no table is written" in done.stderr
 
 
 def test_where_no_law_settles_the_exit_status_is_that_of_a_requirement_that_is_not_met(tmp_path):

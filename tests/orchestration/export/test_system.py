@@ -128,3 +128,11 @@ def test_only_the_parameters_that_are_set_are_declared_as_inputs(loop):
     changed = {name for name, variable in fmu.model.variables.items() if other[name].causality != variable.causality}
     assert changed == {"inertia", "cooled"}
     assert (other["inertia"].causality, other["cooled"].causality) == ("input", "input")
+
+
+def test_a_law_in_python_is_refused_with_the_command_that_makes_an_fmu_of_it(loop):
+    loop.with_name("law.py").write_text("def step(i, p, t, h):\n    return {}\n")
+    text = loop.read_text("utf-8").replace("fmu: regulator.fmu", "python: law.py\n    interface: controller")
+    loop.write_text(text, "utf-8")
+    with pytest.raises(InputError, match=r"law\.py is a law in Python; .*orchestrate new controller FOLDER --from law"):
+        flat(orchestration.load(loop))
