@@ -193,6 +193,30 @@ def test_values_are_mapped_and_converted(loop: Path) -> None:
     assert np.isclose(orchestration.run("foreign.ssp", {"step": 0.1})["motor_1.speed"][0], 4 * np.pi)
 
 
+def test_a_unit_of_a_value_says_nothing_where_its_variable_has_none(loop: Path) -> None:
+    foreign(values=_value("control.regulator.gain", "Real", -2, ' unit="V"'), top=EXPERIMENT)
+    result = orchestration.run("foreign.ssp", {"step": 0.1})
+    assert result.scenario.blocks["control_regulator"].start["gain"] == -2.0
+
+
+@pytest.mark.parametrize(("factor", "status"), [(1000.0, 0), (1.0, 2), (0.001, 2)])
+def test_a_connection_whose_factor_is_that_of_its_units_is_that_of_a_scenario(
+    loop: Path, factor: float, status: int
+) -> None:
+    """From V to mV; the archive says that no other conversion is made."""
+    old = 'name="voltage" valueReference="2" causality="input"><Real unit='
+    text = fmus.description("motor")
+    assert old in text
+    fmus.write(Path("motor.fmu"), text.replace(f'{old}"V"', f'{old}"mV"'), fmus.library())
+    plain = _connection("control.given", "motor 1.voltage")
+    scaled = _connection("control.given", "motor 1.voltage", _SCALED % f'"{factor}"')
+    kept = scaled.replace("<ssd:Connection ", '<ssd:Connection suppressUnitConversion="true" ')
+    assert plain in _SYSTEM
+    foreign(system=_SYSTEM.replace(plain, kept), top=EXPERIMENT)
+    output = printed("run", "foreign.ssp", "--step", "0.1 s", "--quiet", status=status)
+    assert ("which is no conversion of its units" in output) is (status == 2)
+
+
 def test_an_input_that_nothing_feeds_keeps_the_fmu_s_start(loop: Path) -> None:
     foreign(top=EXPERIMENT)
     assert orchestration.run("foreign.ssp", {"step": 0.1}).scenario.blocks["control_regulator"].start["enabled"] is True
