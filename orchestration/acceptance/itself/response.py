@@ -16,6 +16,7 @@ import numpy as np
 
 from ...errors import BlockError
 from ...fmu.model import Floats
+from ...rotation import three
 from ..polarity.bench import Bench
 from ..polarity.fly import Loop
 from ..robustness import Trial
@@ -168,9 +169,4 @@ def _turn(v: Floats) -> Floats:
 
 def _vector(R: Floats) -> Floats:
     """log of a rotation matrix: its rotation vector (3,), rad."""
-    axis = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    sine = float(np.linalg.norm(axis))
-    angle = float(np.arctan2(sine, 0.5 * (np.trace(R) - 1.0)))
-    if sine < 1e-9:  # none, or half a turn
-        return axis if angle < 1.0 else np.pi * np.sqrt(np.maximum(np.diag(R) + 1.0, 0.0) / 2.0)
-    return angle / sine * axis
+    return np.array(three(R.ravel().tolist(), "rotation vector"))

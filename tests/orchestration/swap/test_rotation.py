@@ -47,3 +47,12 @@ def test_what_is_no_unit_quaternion_ends_the_run_with_its_name():
     block = Mock("x", theirs, lambda b: None)
     with pytest.raises(Exception, match=r"x: output p .*stands for our S: expected a quaternion of length 1"):
         through(found, block, u=0.0)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-10, 1e-6, 1.0, 2.5, np.pi - 1e-6, np.pi - 1e-10, np.pi])
+@pytest.mark.parametrize("axis", [(0.6, -0.8, 0.0), (-0.48, 0.6, 0.64), (0.0, 0.0, -1.0)])
+def test_the_rotation_vector_of_a_matrix_is_scipys_also_at_half_a_turn(axis, angle):
+    R = Rotation.from_rotvec(angle * np.array(axis)).as_matrix()
+    found = rotation.three(R.ravel().tolist(), "rotation vector")
+    np.testing.assert_allclose(Rotation.from_rotvec(found).as_matrix(), R, atol=1e-12)
+    assert np.linalg.norm(found) == pytest.approx(angle, abs=1e-9)
