@@ -69,7 +69,7 @@ def firmware() -> list[Path]:
 def generated(interface: Interface, of_block: bool = False) -> dict[str, str]:
     """Returns the C that a device needs of the interface. `of_block`: for a block that is written for the
     FMI shell, with of_block.c."""
-    name, title = interface.name, camel_case(interface.name)
+    name, title = interface.code, camel_case(interface.code)
     types = [*wire.RECORDS.values(), *(("State", "Law") if of_block else ("Memory",))]
     parts = [f"typedef {title}{kind} {kind};" for kind in types]
     if of_block:

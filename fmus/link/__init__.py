@@ -120,7 +120,7 @@ def sources() -> list[Path]:
 
 def _block_header(interface: Interface, guid: str) -> str:
     """block.h: what the shell needs of a block, which is the same for each interface but for its structures."""
-    records = "\n".join(f"typedef {camel_case(interface.name)}{name} {name};" for name in wire.RECORDS.values())
+    records = "\n".join(f"typedef {camel_case(interface.code)}{name} {name};" for name in wire.RECORDS.values())
     calls = "\n".join(f"#define block_{name} link_{name}" for name in _FUNCTIONS)
     calls += "\n#define block_state_used(x) sizeof(State)"
     return f"""\
@@ -128,7 +128,7 @@ def _block_header(interface: Interface, guid: str) -> str:
 #define BLOCK_H
 
 #include "fault.h"
-#include "{interface.name}_ports.h"
+#include "{interface.code}_ports.h"
 
 {identity(interface, guid)}
 
