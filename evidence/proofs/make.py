@@ -22,7 +22,7 @@ from .harness import STEP_MAX, TIME_MAX
 from .kept import FOLDER, result_of
 from .loops import rows as rows_of_loops
 from .rules import deviations
-from .subjects import HERE, SUBJECTS, Subject
+from .subjects import HERE, SUBJECTS, UNFINISHED, Subject
 
 FLIGHT = (
     "allocator",
@@ -63,13 +63,13 @@ def unproved(alarms: Iterable[Alarm], given: Sequence[Argument]) -> list[Alarm]:
 
 
 def prove(names: Sequence[str]) -> list[tuple[Subject, Result]]:
-    """Analyses all subjects, or those of these names, and says what each came to.
+    """Analyses all subjects, or those of these names, unfinished ones too, and says what each came to.
 
     Raises InputError where a property is neither proved nor argued for, or an argument is for nothing.
     """
     given = arguments()
     results, left = [], 0
-    for subject in SUBJECTS:
+    for subject in (*SUBJECTS, *(UNFINISHED if names else ())):
         if names and subject.name not in names:
             continue
         result = result_of(subject)

@@ -139,6 +139,8 @@ SUBJECTS = (
     Subject("controller", "any", 6),
     Subject("controller", "limits"),
     _whole("supervisor"),
+)
+UNFINISHED = (
     _whole("estimator", "check_choices", "epoch_read", by_contract=("estimator_correct_states",), unroll=12, paths=20),
     _whole(
         *("controller_planned", "check_choices", "epoch_read"),
@@ -147,3 +149,4 @@ SUBJECTS = (
         paths=20,
     ),
 )
+"""Proofs that have not come to their end yet: run where they are asked for by name, no part of `make prove`."""

@@ -103,7 +103,8 @@ static inline bool epoch_is_utc(const char *text)
 /*@ requires \valid_read(text + (0 .. 127)) && text[127] == 0;
     assigns *epoch, \result \from text[0 .. 127];
     ensures \result == 0 || \result == 1;
-    ensures \result == 1 ==> \initialized(epoch) && 1 <= epoch->year <= 9999;
+    ensures \result == 1 ==> \initialized(&epoch->since_j2000) && \initialized(&epoch->in_year);
+    ensures \result == 1 ==> 1 <= epoch->year <= 9999;
     ensures \result == 1 ==> -63200000000000000 <= epoch->since_j2000 <= 252500000000000000;
     ensures \result == 1 ==> 0 <= epoch->in_year <= 31622400000000;
     ensures \result == 1 ==> 31536000000000 <= epoch->year_length <= 31622400000000; */

@@ -11,9 +11,9 @@ from evidence.proofs import coverage
 from evidence.proofs.analysis import Result
 from evidence.proofs.coverage import defined, rows
 from evidence.proofs.make import FLIGHT
-from evidence.proofs.subjects import SUBJECTS
+from evidence.proofs.subjects import SUBJECTS, UNFINISHED
 
-ESTIMATOR = next(s for s in SUBJECTS if s.name == "estimator")
+ESTIMATOR = next(s for s in UNFINISHED if s.name == "estimator")
 FILTER = next(s for s in SUBJECTS if s.name == "filter")
 
 
@@ -51,4 +51,4 @@ def test_of_two_functions_with_one_name_both_have_to_be_entered(monkeypatch):
 
 @pytest.mark.parametrize("part", FLIGHT)
 def test_each_block_of_the_flight_code_has_a_program(part):
-    assert any(s.name == part and s.span == "any" for s in SUBJECTS)
+    assert any(s.name == part and s.span == "any" for s in (*SUBJECTS, *UNFINISHED))
