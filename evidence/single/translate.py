@@ -1,7 +1,9 @@
 """The flight code with `float` in the place of `double`: a translation of the C as it stands, made at the build.
 
 Every type, constant and elementary function is single precision. What is read once, from text, keeps double precision:
-the date of the parameter `epoch` (APART). Tests: tests/evidence/single/test_single.py.
+the date of the parameter `epoch` (APART); days that estimator and planners make of it do not.
+
+Tests: tests/evidence/single/test_single.py.
 """
 
 from __future__ import annotations
