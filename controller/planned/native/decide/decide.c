@@ -59,7 +59,8 @@ static void replan(ControllerPlannedLaw *law, ControllerPlannedState *x, const M
     if (of_search) {
         x->search.ready = x->provisional = false;
         const double rest = CHALLENGE_PERIOD * x->scales.time;
-        x->next_challenge = x->t + (has_wheel(model) ? rest : controller_planned_rods_rest(model));
+        const bool rests = !has_wheel(model) && !controller_planned_rods_are_poor(model, &x->plan);
+        x->next_challenge = x->t + (rests ? controller_planned_rods_rest(model) : rest);
     }
     x->steering.lambda_N = (Vector){0.0, 0.0, 0.0};
 }
@@ -74,11 +75,12 @@ static void go_on_searching(ControllerPlannedLaw *law, ControllerPlannedState *x
     const bool challenge = has_wheel(model)
                                ? x->phase == PHASE_ACQUISITION || (x->longer <= 0 && x->plan.cost > HOLD_COST * T)
                                : x->plan.cost > controller_planned_rods_cost(model);
+    const bool poor = !has_wheel(model) && controller_planned_rods_are_poor(model, &x->plan);
     if (s->lost && search->ready && x->t > search->t + SEARCH_KEPT * T) {
         search->ready = false;
     }
     if (s->near && !search->active && !search->ready &&
-        (x->phase == PHASE_STEERING || (challenge && x->t >= x->next_challenge - early))) {
+        (x->phase == PHASE_STEERING || (challenge && (poor || x->t >= x->next_challenge - early)))) {
         const Motion then = expected(x, model, ahead, &x->plan, now, x->t, search_time);
         controller_planned_search_begin(&then, x->t + search_time, controller_planned_is_urgent(x, model), search);
     }

@@ -6,7 +6,8 @@ static const Horizon RODS_HORIZON = {{1.0 / 12.0, 1.0 / 3.0, 1.0}, {1.0 / 600.0,
 static const double RODS_FINAL = 0.2;       /* by which the errors at the end count */
 static const double RODS_CHALLENGED = 0.05; /* cost of a plan that is challenged: some 5 deg throughout */
 static const double RODS_REST =
-    1.0 / 12.0; /* of the period: searches follow no sooner than the field turns by 30 deg */
+    1.0 / 12.0;                      /* of the period: searches follow no sooner than the field turns by 30 deg */
+static const double RODS_POOR = 4.0; /* times RODS_CHALLENGED: some 10 deg throughout */
 static const double RODS_WEIGHT_FAR = 100.0; /* of the angle beyond what is far */
 static const double TURN_UNTIL = 0.6;        /* latest end of a start's turn */
 /* In the orbit's rate n. */
@@ -75,4 +76,9 @@ double controller_planned_rods_cost(const Model *model)
 double controller_planned_rods_rest(const Model *model)
 {
     return RODS_REST * model->scales.period;
+}
+
+bool controller_planned_rods_are_poor(const Model *model, const Plan *plan)
+{
+    return plan->cost > RODS_POOR * controller_planned_rods_cost(model);
 }

@@ -28,8 +28,10 @@ Turn controller_planned_random_turn(const Model *model, uint32_t *random);
 /* N m s, below which a momentum to be given is left to the plan, and beyond which it is steered again. */
 double controller_planned_rods_limit(const Model *model, double l, bool steered);
 
-/* The cost above which a plan by rods is challenged, and the time from one search to the next, s. */
+/* The cost above which a plan by rods is challenged, and the time from one search to the next, s; a plan that is poor
+ * is challenged at once. */
 double controller_planned_rods_cost(const Model *model);
 double controller_planned_rods_rest(const Model *model);
+bool controller_planned_rods_are_poor(const Model *model, const Plan *plan);
 
 #endif
