@@ -54,6 +54,7 @@ def test_what_was_written_beforehand_is_said_and_nothing_false(kind, seed, flavo
         (60, ["single precision", "rate relative to LVLH"]),
         (75, ["position along the Earth's axes", "left-handed port, untold"]),
         (121, ["position along the Earth's axes", "unit, untold"]),
+        (85, ["orbit along the axes of J2000", "left-handed port, untold"]),
     ],
 )
 @pytest.mark.thorough

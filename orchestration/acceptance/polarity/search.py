@@ -36,6 +36,8 @@ _LARGE, _MOST_LEFT = 0.3, 0.15
 """A wiring that leaves so much at most of a difference larger than that is flown, and named where all is met."""
 _SOME = 12
 """So many of the nearest wirings are tried on theirs."""
+_UNEXPLAINED = 1e-4
+"""Of a wiring that is named and leaves more, a frame is looked for besides."""
 _FINER = 8
 """Of the wirings nearest with an angle of a coarse grid so many are looked at with a finer one."""
 _MIRROR = 1.5 * CHANGE
@@ -140,7 +142,7 @@ class Search(Identifier):
             until = clock() + seconds
             best = self._with_parameter(best, tried[:3], wired, until)
             complete = complete and clock() <= until
-        if not best.named:
+        if not best.named or best.after > _UNEXPLAINED:
             framed = self._framed(tried, clock() + seconds / 2)
             best = self._with_frame(best, wired, clock() + seconds / 2, framed)
         return replace(best, complete=complete)
