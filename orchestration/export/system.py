@@ -133,7 +133,7 @@ def flat(scenario: Scenario, kept: bool = False) -> System:
             end = (target.block, names[target]) if before is None else (before[0], before[1].inner)
             wires.append(Wire((source.block, names[source]), end, link.factor, link.offset))
             if not link.delayed or (before is not None and changed[target.block].channels[target].delayed):
-                at_level[wires[-1]] = levels[source]
+                at_level[wires[-1]] = levels.get(source, len(plan.order.levels))  # what only a delay takes comes last
             given = [start.value for start in plan.starts[target.block] if start.element == target.element]
             if before is None and not link.delayed:
                 given = [_converted(initial[source], link.factor, link.offset)]

@@ -7,14 +7,16 @@ from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import orchestration
 from orchestration.errors import InputError
-from orchestration.export.changes import Values, _of_value, with_inputs
+from orchestration.export.changes import Values, _of_signal, _of_value, with_inputs
 from orchestration.export.system import Component, System, flat
 from orchestration.fmu.archive import open_fmu
 from orchestration.fmu.model import Element
+from orchestration.session.open import open_scenario
 from orchestration.system.faults import Setting
 from orchestration.system.wiring import Node
 from tests.orchestration import fmus
@@ -136,3 +138,31 @@ def test_a_law_in_python_is_refused_with_the_command_that_makes_an_fmu_of_it(loo
     loop.write_text(text, "utf-8")
     with pytest.raises(InputError, match=r"law\.py is a law in Python; .*orchestrate new controller FOLDER --from law"):
         flat(orchestration.load(loop))
+
+
+@pytest.mark.parametrize(
+    ("cut", "source", "target", "before"),
+    [("regulator.speed", "motor", "regulator", False), ("motor.voltage", "regulator", "motor", True)],
+)
+def test_a_fault_of_a_signal_that_comes_a_step_later_acts_before_the_step(loop, cut, source, target, before):
+    """Of two blocks the motor is stepped first: what it is given is the regulator's of the step before."""
+    loop.write_text(loop.read_text() + f"faults: [{{cut: {cut}, at: 0.5 s}}]\n")
+    (fault,) = open_scenario(orchestration.load(loop)).plan.circuit.faults.disturbances
+    assert (fault.source.block, fault.target.block) == (source, target)
+    operation = _of_signal(fault, {"motor": 0, "regulator": 1}, 1, Fraction(1, 10))
+    assert (operation.first, operation.before) == (0.5, before)
+
+
+def test_what_leaves_a_delay_is_passed_before_all_else_in_initialization(loop):
+    text = loop.read_text().replace("record:", "delays: [regulator.speed]\nrecord:")
+    loop.write_text(text.replace("{gain: -1,", "{gain: -1, speed: 0.25,"))
+    system, _, _ = of(loop)
+    (delayed,) = (wire for wire in system.wires if wire.target == ("regulator", "speed"))
+    assert delayed.source[0] == "regulator_changes"
+    assert system.initial[0] == delayed
+    assert system.initial[-1].target[0] == "regulator_changes"
+    orchestration.export_loop(loop, loop.with_name("loop.ssp"))
+    back, direct = orchestration.run(loop.with_name("loop.ssp")), orchestration.run(loop)
+    assert back["motor.speed"] == pytest.approx(direct["motor.speed"], rel=1e-12)
+    loop.write_text(loop.read_text().replace("delays: [regulator.speed]\n", ""))
+    assert np.abs(orchestration.run(loop)["motor.speed"] - direct["motor.speed"]).max() > 1e-3
