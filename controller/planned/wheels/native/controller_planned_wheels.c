@@ -5,7 +5,10 @@
 
 #include "sample.h"
 
-static const double SOONER = 0.2; /* of unloading_time, before the hold */
+static const double SOONER = 0.2;       /* of unloading_time, before the hold */
+static const double ACROSS = 2.0 / 3.0; /* of 1 - b b', the mean over all directions of the field */
+static const double ACROSS_LEAST = 0.03;
+static const double ACROSS_TIME = 6000.0, ACROSS_FIRST = 600.0; /* s, of its mean along the orbit */
 
 /* (3), in phase 4: the torque that brings the rate error to rest soonest, beside the gyroscopic one where the wheels
  * can bear that, too. */
@@ -23,6 +26,25 @@ static Vector stopping(const ControllerPlannedWheelsLaw *law, const Sample *s, V
     return bears ? add(tau, gyroscopic) : subtract(tau, by_wheels);
 }
 
+/* (12): the mean of 1 - b b' follows the field along the orbit. */
+static void follow_field(const ControllerPlannedWheelsInputs *u, double h, ControllerPlannedWheelsState *x)
+{
+    const Matrix R = matrix(u->R_NB);
+    const Vector b = vector(u->b_B);
+    const double B = norm(b), share = smaller(1.0, h / smaller(ACROSS_TIME, ACROSS_FIRST + x->t));
+    if (B >= WHEELS_FIELD_MIN && !is_zero_matrix(R)) {
+        const Matrix turned = hat(apply(R, scale(1.0 / B, b)));
+        x->across = add_scaled(add_scaled(x->across, -share, x->across), -share, multiply(turned, turned));
+    }
+}
+
+/* (12): where little of the momentum along a direction can be taken away, more of it counts, in body axes. */
+static Vector weighted(const ControllerPlannedWheelsState *x, Matrix R, Vector H)
+{
+    const Matrix mean = add_scaled(x->across, ACROSS_LEAST, identity);
+    return apply_transposed(R, scale(ACROSS + ACROSS_LEAST, solve(mean, apply(R, H))));
+}
+
 /* The outputs at a sample. */
 static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x, const Sample *s,
                     const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y)
@@ -32,9 +54,11 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     const Vector by_body = cross(Omega, apply(law->J, Omega));
     const bool sheds = x->phase == WHEELS_SHEDDING;
     const double time = x->phase == WHEELS_HOLD ? p->unloading_time : SOONER * p->unloading_time;
-    Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, s->H, b);
-    if (sheds && !is_zero_matrix(matrix(u->R_NB))) {
-        const Vector along = apply_transposed(matrix(u->R_NB), x->shedding);
+    const Matrix R = matrix(u->R_NB);
+    const Vector H = is_zero_matrix(R) ? s->H : weighted(x, R, s->H);
+    Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, H, b);
+    if (sheds && !is_zero_matrix(R)) {
+        const Vector along = apply_transposed(R, x->shedding);
         dipole = shedding_dipole(law->rods, p->dipole_max, p->rod_limits, along, b);
     }
     const Vector by_rods = cross(apply_transposed(law->rods, dipole), b);
@@ -97,6 +121,7 @@ static bool advance(ControllerPlannedWheelsLaw *law, const ControllerPlannedWhee
     for (int i = 0; i < WHEELS_MAX; ++i) {
         x->failed[i] = u->wheel_failed[i];
     }
+    follow_field(u, h, x);
     const int32_t few = controller_planned_wheels_few(law, x->failed);
     if (few > 0) {
         return controller_planned_wheels_step_few(law, few, first, h, u, x, y, f);
@@ -113,6 +138,7 @@ bool controller_planned_wheels_start(ControllerPlannedWheelsLaw *law, const Cont
     ControllerPlannedWheelsOutputs y;
     (void)memset(x, 0, sizeof *x);
     x->axis = (Vector){1.0, 0.0, 0.0};
+    x->across = add_scaled(x->across, ACROSS, identity);
     x->turn = (SlewTurn){0.0, 1.0, 1.0};
     return advance(law, u, true, 0.0, x, &y, f);
 }

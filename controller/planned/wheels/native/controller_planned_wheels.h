@@ -23,6 +23,7 @@ typedef struct {
     SlewTurn turn;
     Vector shedding;      /* unit, in N: along it momentum is shed, (7) */
     Vector disturbance_B; /* N m, what the hold has to counter */
+    Matrix across;        /* in N: the mean of 1 - b b' over the orbit behind, (12) */
     int32_t few;          /* 1 to WHEELS_MAX: the one wheel that works; above: there is none; 0: there are more */
     ControllerPlannedState planned; /* with one wheel or none */
 } ControllerPlannedWheelsState;
