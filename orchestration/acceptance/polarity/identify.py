@@ -171,7 +171,8 @@ class Identifier:
         return None
 
     def common(self) -> list[Changes]:
-        """Returns one turn, or one mirror, of all that has components along a frame's axes."""
+        """Returns one turn, or one mirror, of all that has components along a frame's axes, where ours feels it:
+        where N is turned whole, a law gives the same."""
         variables: dict[str, Variable] = {n: self._theirs.model.variables[n] for n in self.inputs}
         frames = dict.fromkeys(f for v in variables.values() for f in frames_of(v))
         made: list[Changes] = []
@@ -188,9 +189,15 @@ class Identifier:
                             np.kron(P, np.eye(3)) if side == "rows" else np.kron(np.eye(3), P), np.float64
                         )
                         changes[name] = Wrong(f"{side} {words}", "axes", matrix)
-                if len(changes) > 1 and changes not in made:
+                if len(changes) > 1 and changes not in made and self._felt(changes):
                     made.append(changes)
         return made
+
+    def _felt(self, changes: Changes) -> bool:
+        played = self.ours_on(self.misread(self.few, changes))
+        return played is None or any(
+            np.abs(played[n] - v).max() > ALIKE * np.abs(v).max() for n, v in self.reference.items()
+        )
 
     def misread(self, values: dict[str, Floats], changes: Changes) -> dict[str, Floats]:
         """Returns inputs as theirs reads them: a vector along other axes by the matrix as that is read."""
