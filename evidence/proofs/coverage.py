@@ -20,6 +20,10 @@ from .subjects import ELEMENTARY, Subject
 _DEFINITION = re.compile(r"^(?:static |inline |const )*[A-Za-z_]\w*[ *]+(\w+)\([^;{}]*?\)\n\{", re.MULTILINE)
 
 
+NAMED = 20
+"""So many functions that no program enters are named, of more the number is told."""
+
+
 def defined(path: Path) -> set[str]:
     """The functions that a file of C defines; one that stands in both branches of an #if once."""
     return set(_DEFINITION.findall(path.read_text("utf-8")))
@@ -65,7 +69,7 @@ def rows(blocks: Sequence[str], results: Iterable[tuple[Subject, Result]]) -> li
                 str(len(functions)),
                 str(len(own)),
                 f"{elsewhere}: " + ", ".join(f"`{n}`" for n in by) if by else "0",
-                ", ".join(f"`{n}`" for n in rest) or "none",
+                (str(len(rest)) if len(rest) > NAMED else ", ".join(f"`{n}`" for n in rest)) or "none",
             )
         )
     return table
