@@ -55,6 +55,7 @@ def test_what_was_written_beforehand_is_said_and_nothing_false(kind, seed, flavo
         (9204075, ["position along the Earth's axes", "left-handed port, untold"]),
         (9204121, ["position along the Earth's axes", "unit, untold"]),
         (9204085, ["orbit along the axes of J2000", "left-handed port, untold"]),
+        (9206140, ["bias of an axis", "position along the Earth's axes"]),
         (9206085, ["orbit along the axes of J2000", "bias of an axis"]),
     ],
 )

@@ -303,6 +303,7 @@ class Search(Identifier):
         made: dict[tuple[str, ...], _Framed] = {}
         for reading in [*every, *of_two(every)]:
             some = [{}] if reading.behind is not None else wirings[:_SOME] if reading.small else wirings
+            some = [changes for changes in some if not _of_the_angle(reading, changes)]
             coarse: list[tuple[Score, Changes, tuple[float, ...]]] = []
             for changes in some:
                 scores = [(self._read_so(reading, changes, start), start) for start in reading.starts[::2]]
@@ -388,6 +389,13 @@ class Search(Identifier):
         return every + [
             Wrong(f"{now.name}, {w.name}", "axes", now.matrix @ w.matrix) for w in more if w.matrix is not None
         ]
+
+
+def _of_the_angle(reading: Reading, changes: Changes) -> bool:
+    """Whether a wiring turns an input about the Earth's axis, as the angle of the reading does."""
+    read = [changes[n].matrix for n in reading.where.split(" and ") if n in changes and len(reading.starts) > 1]
+    turns = [M for M in read if M is not None and M.shape == (3, 3) and np.linalg.det(M) > 0.0]
+    return any(np.allclose(M[2], (0.0, 0.0, 1.0)) for M in turns)
 
 
 def _mended(outputs: Mapping[str, Wrong], name: str, values: Floats) -> Floats:
