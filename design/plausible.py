@@ -149,7 +149,12 @@ def satellite(scenario: Scenario, mass: float | None = None) -> Satellite:
         name = by_kind.get(kind)
         return {(s.element.variable, s.element.position): s.value for s in opened.plan.starts[name]} if name else {}
 
-    p = parameters(block, starts(block), plant)
+    try:
+        p: plant.Parameters = parameters(block, starts(block), plant)
+        _ = p.gmst0  # of the epoch, a text that the block reads once it is initialized
+    except ValueError as error:
+        key = ("shared", "epoch") if "epoch" in scenario.shared else ("blocks", by_kind[block])
+        raise InputError(scenario.error(key, str(error).removeprefix("epoch: "))) from None
     sensors: dict[str, Any] = {}
     for (variable, _), value in starts("plant_sensors").items():
         if isinstance(value, (int, float)):

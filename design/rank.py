@@ -29,14 +29,13 @@ from orchestration.session.read import read
 from orchestration.session.run import whole
 
 from .allocated import allocated
+from .lasting import LASTING
 from .plausible import NONE
 
 LAWS = Path(__file__).parent / "laws"
 COMPARED = ("bdot", "pd", "unloading", "lqr", "paper")
 ERROR, WHEELS = "judge.attitude_error", "plant.h_w"
 OWN = "the scenario's own"
-LASTING = 1.0 / 6.0
-"""Part of a flight, at its end, that has to stay below the error: half an orbit of three."""
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ def data(facts: Facts) -> Section:
         ("scenario", str(facts.file)),
         ("mass", f"{s.mass:g} kg" if s.mass else "not stated: data: {mass: 4 kg} in the file, or --mass"),
         ("principal moments of inertia", _listed(np.asarray(np.linalg.eigvalsh(s.J)), "kg.m2")),
-        ("inertia that the flight software believes less the true one", f"{_share(p.J_error_B, p.J_B):.3g} % of it"),
+        ("error of the inertia that the flight software believes", f"{_share(p.J_error_B, p.J_B):.3g} % of it"),
         ("body", f"{1e3 * p.body_width:g} mm wide, {1e3 * p.body_length:g} mm long along {p.body_axis}"),
         ("centre of mass from the middle", _listed(1e3 * p.center_of_mass_B, "mm")),
         ("rods", f"{_listed(p.dipole_limit, 'A.m2')} at most"),
@@ -167,8 +167,9 @@ def disturbances(facts: Facts) -> tuple[Section, dict[str, float]]:
         bound = bounds.get(name, sum(bounds.values()) if name == "all together" else 0.0)
         rows.append([name, *(number(1e9 * v) for v in (size.min(), size.mean(), size.max(), bound)),
                      number(0.0 if name in flat else 1e6 * gathered[name])])  # fmt: skip
-    margins = [["rods, weakest field", prefixed(s.rods, "N.m"), prefixed(largest, "N.m"), _ratio(s.rods, largest)]]
-    least = {"torque_margin": [(s.rods, largest)], "momentum_margin": list[tuple[float, float]]()}
+    rods = s.rods * _share_on(facts)
+    margins = [["rods, weakest field", prefixed(rods, "N.m"), prefixed(largest, "N.m"), _ratio(rods, largest)]]
+    least = {"torque_margin": [(rods, largest)], "momentum_margin": list[tuple[float, float]]()}
     for i, wheel in enumerate(p.wheel_list, start=1):
         if wheel.momentum_max > 1e-8:
             least["momentum_margin"].append((wheel.momentum_max, gathered["all together"]))
@@ -193,6 +194,15 @@ def disturbances(facts: Facts) -> tuple[Section, dict[str, float]]:
     )
     factors = {name: [gives / needed for gives, needed in pairs if needed > 0.0] for name, pairs in least.items()}
     return section, {name: min(values) for name, values in factors.items() if values}
+
+
+def _share_on(facts: Facts) -> float:
+    """Returns what the flight software takes the rods to give, of what they give while they are on."""
+    limit = np.array([facts.satellite.p.dipole_max])
+    told = [
+        facts.start(kind, "dipole_max", limit) for kind in facts.blocks if kind.startswith(("allocator", "controller"))
+    ]
+    return min(1.0, *(float(v.max() / limit[0]) for v in told)) if told and limit[0] > 0.0 else 1.0
 
 
 def _unit(name: str) -> str:

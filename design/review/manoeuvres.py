@@ -208,7 +208,7 @@ def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
         one = flown[flight]
         last = one.time >= (ENDS - 1.0) * facts.period
         if one.failure or not last.any():
-            rows.append([name, "–", "–", "–", "–", one.failure or "too short"])
+            rows.append([name, "–", "–", "–", "–", "–", one.failure or "too short"])
             worst = (math.inf, flight)
             continue
         error = np.degrees(one[judge][last])
@@ -216,12 +216,14 @@ def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
             worst = max(worst, (float(one[judge][last].max()), flight))
         rms = math.sqrt(float(np.mean(error**2)))
         momentum = 1e3 * np.abs(one[h_w][last]).max()
-        told = [number(float(value)) for value in (rms, error.max(), momentum)]
+        since = np.degrees(one[judge][one.time >= at]).max()
+        told = [number(float(value)) for value in (since, rms, error.max(), momentum)]
         rows.append([name, _found(facts, name, one, at), *told, ""])
-    columns = ["failure", "found after", "rms, deg", "largest, deg", "wheel, mN.m.s", "flight failed"]
+    columns = ["failure", "found after", "largest since, deg"]
+    columns += ["rms, deg", "largest, deg", "wheel, mN.m.s", "flight failed"]
     note = (
-        f"Each fails {FAILS:g} orbit after the start and stays so; errors of the orbit that begins an orbit later. "
-        "Replay: orchestrate flights/failure-NAME.yaml"
+        f"Each fails {FAILS:g} orbit after the start and stays so. Largest since: from the failure on; the other "
+        "errors are of the orbit that begins an orbit later. Replay: orchestrate flights/failure-NAME.yaml"
     )
     notes = []
     if (

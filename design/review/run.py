@@ -67,7 +67,7 @@ def review(
         "error_after_failure": after_failure,
         **{name: (value, "") for name, value in factors.items()},
     }
-    required, said = verify.section(options, rows, single)
+    required, said = verify.section(options, rows, single, tumbles.last_moment(found))
     sections = [
         inputs.data(found),
         disturbed,

@@ -23,6 +23,7 @@ from orchestration.results.whole import put
 from orchestration.scenario.text import written
 from plant.so3 import Array
 
+from ..lasting import LASTING
 from ..loop import parameters
 from ..momentum import MomentumBalance
 from . import studies
@@ -123,8 +124,8 @@ def fly(facts: Facts, options: Options, folder: Path, tell: Callable[[int], None
 
 def section(facts: Facts, options: Options, case: Case, rows: Rows) -> Section:
     """Returns the distribution of times beside the bound by momentum."""
-    settled = {level: rows.numbers(f"within_{level}_deg") for level in LEVELS}
-    shown = [("rate below " + RATE, rows.numbers("detumbling_time"))]
+    settled = {level: numbers(rows, f"within_{level}_deg", last_moment(facts)) for level in LEVELS}
+    shown = [("rate below " + RATE, numbers(rows, "detumbling_time", last_moment(facts)))]
     shown += [(f"error below {level} deg", values) for level, values in settled.items()]
     table = [[name, *_times(values)] for name, values in shown]
     errors = [
@@ -158,7 +159,12 @@ def section(facts: Facts, options: Options, case: Case, rows: Rows) -> Section:
     return Section(
         "Tumbles",
         [
-            Table("Time to settle", ["until", "settled", "median, s", "90%, s", "worst, s"], table),
+            Table(
+                "Time to settle",
+                ["until", "settled", "median, s", "90%, s", "worst, s"],
+                table,
+                "To the end of the flight, and for its last sixth at least.",
+            ),
             Table("Hold after the tumble", ["", "median", "90%", "worst"], errors),
         ],
         [figure] if any(len(t) for _, t in steps) else [],
@@ -176,6 +182,18 @@ def _bounded(bounds: list[float]) -> str:
         f"By the balance of momentum no controller needs less than {min(bounds):.0f} to {max(bounds):.0f} s for "
         f"the first {len(bounds)} of these tumbles (orchestrate momentum-bound); it counts the attitude as known."
     )
+
+
+def last_moment(facts: Facts) -> float:
+    """Returns when a tumble has settled at the latest, s: it has to stay so for a sixth of its flight."""
+    return (1.0 - LASTING) * ORBITS * facts.period
+
+
+def numbers(rows: Rows, metric: str, latest: float) -> Array:
+    """Returns a metric of the tumbles; NaN for a time that is later."""
+    values: Array = rows.numbers(metric)
+    is_time = metric in ("settling_time", "detumbling_time") or metric.startswith("within_")
+    return np.where(values > latest, np.nan, values) if is_time else values
 
 
 def _times(values: Array) -> list[str]:
@@ -214,18 +232,18 @@ def _point(case: Case, index: int) -> list[float]:
     return point
 
 
-def worst(rows: Rows, asked: Asked) -> int | None:
+def worst(rows: Rows, asked: Asked, latest: float) -> int | None:
     """Returns the run that is farthest on the wrong side of a requirement."""
-    values = rows.numbers(asked.metric)
+    values = numbers(rows, asked.metric, latest)
     bad = np.where(np.isnan(values), np.inf, values if asked.below is not None else -values)
     return int(rows.index[int(np.argmax(bad))]) if len(bad) else None
 
 
-def counted(rows: Rows, asked: Asked) -> tuple[int, int, float]:
+def counted(rows: Rows, asked: Asked, latest: float) -> tuple[int, int, float]:
     """Returns how many runs meet a requirement, of how many, and the margin of the share that it asks for, in the
     metric's own unit.
     """
-    values = rows.numbers(asked.metric) * (math.pi / 180.0 if _in_degrees(asked.metric) else 1.0)
+    values = numbers(rows, asked.metric, latest) * (math.pi / 180.0 if _in_degrees(asked.metric) else 1.0)
     if asked.below is not None:
         values = np.where(np.isnan(values), np.inf, values)
         margin = asked.below - float(np.quantile(values, asked.probability, method="inverted_cdf"))

@@ -20,13 +20,13 @@ from .options import DRAWN, METRICS, RADIAN, Asked, Options
 COLUMNS = ["id", "requirement", "limit", "required", "verdict", "margin", "runs, seed", "worst case", "why"]
 
 
-def section(options: Options, rows: Rows, single: Mapping[str, Worst]) -> tuple[Section, list[str]]:
+def section(options: Options, rows: Rows, single: Mapping[str, Worst], latest: float) -> tuple[Section, list[str]]:
     """Returns a row for each requirement, and the verdicts; `single` has the metrics that one flight or none
-    gives, with its name."""
+    gives, with its name. A time later than `latest`, s, is none: tumbles.last_moment."""
     if not options.requirements:
         text = "No requirements were given: --requirements FILE takes a list with id, text, metric, limit, probability."
         return Section("Requirements", notes=[text]), []
-    lines = [_line(one, options, rows, single) for one in options.requirements]
+    lines = [_line(one, options, rows, single, latest) for one in options.requirements]
     notes = [
         "Met: the lower bound of the probability, at the confidence asked for, is at least the one required. Not met: "
         "the upper bound is below it. Undecided: neither; --runs with more of them decides.",
@@ -36,7 +36,7 @@ def section(options: Options, rows: Rows, single: Mapping[str, Worst]) -> tuple[
     return Section("Requirements", [Table("Requirements", COLUMNS, lines)], notes=notes), [row[4] for row in lines]
 
 
-def _line(one: Asked, options: Options, rows: Rows, single: Mapping[str, Worst]) -> list[str]:
+def _line(one: Asked, options: Options, rows: Rows, single: Mapping[str, Worst], latest: float) -> list[str]:
     required = f"{one.probability:g} at {100 * one.confidence:g}%"
     head = [one.id, one.text, f"{one.metric} {one.limit}"]
     if one.wrong:
@@ -46,9 +46,9 @@ def _line(one: Asked, options: Options, rows: Rows, single: Mapping[str, Worst])
         return _of_one(one, head, *single.get(one.metric, (math.nan, "")), study)
     if one.metric not in {m["name"] for m in rows.manifest["metrics"]}:
         return [*head, required, "not verifiable", "–", "–", "–", "the scenario has no estimator to judge"]
-    met, count, margin = tumbles.counted(rows, one)
+    met, count, margin = tumbles.counted(rows, one, latest)
     verdict = verdicts([Requirement(one.id, one.probability, one.confidence)], {one.id: met}, count)[0]
-    worst = tumbles.worst(rows, one)
+    worst = tumbles.worst(rows, one, latest)
     replay = f"run {worst}: orchestrate campaign tumbles.yaml --out tumbles --replay {worst}"
     shown = _told(margin, unit) if math.isfinite(margin) else "none: it is never met by that share"
     return [*head, required, verdict.status, shown, f"{count}, seed {options.seed}", replay, verdict.text]

@@ -137,6 +137,10 @@ def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, m
         ({"inertia": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "J_B: plant refuses it: expected"),
         ({"wheel_axis": [1, 1, 0]}, "wheel_axis: plant refuses it: expected"),
         ({"name": "../cube"}, "name: "),
+        (
+            {"epoch": "11.02.2027 09:30"},
+            "--set epoch: shared.epoch: expected UTC in ISO 8601, such as 2009-08-10T12:00:00Z, found",
+        ),
         ({"body_axis": "up"}, "--set body_axis: shared.body_axis: expected one of"),
         ({"orbit_radius": "68r78 km"}, "--set orbit_radius: unknown unit 'r78 km'"),
         ({"orbit_radius": "-5 km"}, "--set orbit_radius: expected 6528137 m to 8348137 m, found -5 km (-5000 m)"),

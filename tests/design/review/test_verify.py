@@ -3,11 +3,13 @@
 Shows RV-1.
 """
 
+import math
+
 import numpy as np
 import pytest
 from scipy.stats import beta
 
-from design.review import verify
+from design.review import tumbles, verify
 from design.review.options import Options, requirements
 from orchestration import InputError
 
@@ -42,7 +44,9 @@ def _asked(tmp_path, text=TEXT):
 def test_verdicts_have_margin_worst_case_and_reason(tmp_path):
     asked, power = _asked(tmp_path)
     assert power == {"rod": pytest.approx(0.2), "efficiency": 0.7}
-    section, said = verify.section(Options(requirements=asked, seed=3), Rows(), {"momentum_margin": (6.9, "")})
+    section, said = verify.section(
+        Options(requirements=asked, seed=3), Rows(), {"momentum_margin": (6.9, "")}, math.inf
+    )
     rows = {row[0]: dict(zip(verify.COLUMNS, row, strict=True)) for row in section.tables[0].rows}
     assert said == ["undecided", "met", "not verifiable", "met", "not verifiable"]
     low = beta.ppf(0.05, 35, 6)  # 35 of 40 runs settle within 1800 s: the lower bound at 95 %
@@ -54,6 +58,13 @@ def test_verdicts_have_margin_worst_case_and_reason(tmp_path):
     assert section.notes[1].startswith("Metrics of a review: settling_time, ")
     assert rows["R4"]["margin"].startswith("3.9")
     assert "no value of station_error" in rows["R5"]["why"]
+
+
+def test_a_tumble_that_comes_below_the_goal_in_the_last_sixth_of_its_flight_has_not_settled(tmp_path):
+    asked, _ = _asked(tmp_path, "requirements: [{id: R, metric: settling_time, below: 0.5 h, probability: 0.9}]")
+    assert tumbles.counted(Rows(), asked[0], 1400.0)[:2] == (28, 40)  # 0 to 1400 s but for run 7
+    assert tumbles.counted(Rows(), asked[0], math.inf)[:2] == (35, 40)
+    assert tumbles.worst(Rows(), asked[0], 1400.0) == 7
 
 
 @pytest.mark.parametrize(
@@ -97,5 +108,5 @@ def test_data_of_power_need_no_requirements_and_a_number_is_shown_with_its_unit(
 
 def test_the_worst_of_single_flights_has_the_command_that_flies_it(tmp_path):
     asked, _ = _asked(tmp_path, "requirements: [{id: R, metric: slew_time, below: 30 s}]")
-    section, said = verify.section(Options(requirements=asked), Rows(), {"slew_time": (90.0, "slew-180-x")})
+    section, said = verify.section(Options(requirements=asked), Rows(), {"slew_time": (90.0, "slew-180-x")}, math.inf)
     assert (said, section.tables[0].rows[0][7]) == (["not met"], "orchestrate flights/slew-180-x.yaml")
