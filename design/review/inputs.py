@@ -113,14 +113,18 @@ def _angle(size: float) -> str:
 
 
 def assumptions(facts: Facts) -> list[list[str]]:
-    """Returns places and texts of the lines that say what is assumed, in the files that the scenario is made of."""
+    """Returns places and texts of the lines that say what is assumed, in the files that the scenario is made of, but
+    for those in whose place another file or an option has a value."""
     source = facts.scenario.source
     files = sorted({source.file or "", *source.files.values()} - {""})
+    stated = {
+        (source.files.get(key, source.file), line) for key, line in source.lines.items() if key not in source.options
+    }
     rows = []
     for file in files:
         for i, line in enumerate(Path(file).read_text("utf-8").splitlines(), start=1):
             value, _, comment = line.partition("#")
-            if "assumed" in comment and value.strip():
+            if "assumed" in comment and (file, i) in stated:
                 rows.append([f"{Path(file).name}:{i}", f"{' '.join(value.split())}: {comment.strip()}"])
     return rows
 

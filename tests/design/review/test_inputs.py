@@ -40,6 +40,9 @@ def test_assumptions_are_the_lines_of_the_files_that_say_so(facts):
     rows = inputs.assumptions(facts)
     assert any("residual_dipole_B" in text and place.startswith("satellite.yaml:") for place, text in rows)
     assert any(text.startswith("orbit_outage_interval: 1200 s") for _, text in rows)
+    names = [text.partition(":")[0] for _, text in rows]
+    assert "wheel_momentum_noise" in names  # of sensors.yaml, not that of the part that it extends
+    assert len(names) == len(set(names))
 
 
 def test_the_torque_of_the_residual_dipole_is_its_cross_product_with_the_field(facts):
