@@ -57,6 +57,8 @@ def _turn(axis: int, angle: float) -> Array:
     return R
 
 
+LOST = 90.0
+"""deg: a satellite that is farther off in the orbit that is looked at does not hold its attitude."""
 Worst = tuple[float, str]
 """A metric, and the flight that has it."""
 
@@ -157,7 +159,7 @@ def tracking(facts: Facts, flown: Mapping[str, Flown], why: str) -> tuple[Sectio
         ["error, rms", f"{math.degrees(math.sqrt(float(np.mean(error**2)))):.3g} deg"],
         ["error, largest", f"{math.degrees(error.max()):.3g} deg"],
         ["largest body rate", f"{math.degrees(rate.max()):.3g} deg/s"],
-        ["largest momentum of a wheel", f"{number(1e3 * float(np.abs(one[h_w]).max()))} mN.m.s"],
+        ["largest momentum of a wheel", f"{number(1e3 * float(np.abs(one[h_w][seen]).max()))} mN.m.s"],
     ]
     minutes = one.time / 60.0
     late = one.time > one.time[-1] - 1800.0
@@ -218,9 +220,11 @@ def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
         momentum = 1e3 * np.abs(one[h_w][last]).max()
         since = np.degrees(one[judge][one.time >= at]).max()
         told = [number(float(value)) for value in (since, rms, error.max(), momentum)]
-        rows.append([name, _found(facts, name, one, at), *told, ""])
+        rows.append(
+            [name, _found(facts, name, one, at), *told, f"lost: beyond {LOST:g} deg" if error.max() > LOST else ""]
+        )
     columns = ["failure", "found after", "largest since, deg"]
-    columns += ["rms, deg", "largest, deg", "wheel, mN.m.s", "flight failed"]
+    columns += ["rms, deg", "largest, deg", "wheel, mN.m.s", "remark"]
     note = (
         f"Each fails {FAILS:g} orbit after the start and stays so. Largest since: from the failure on; the other "
         "errors are of the orbit that begins an orbit later. Replay: orchestrate flights/failure-NAME.yaml"

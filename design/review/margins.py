@@ -90,7 +90,7 @@ def _followed(facts: Facts, rig: Rig, port: str, why: str) -> Section:
     ]
     note = (
         f"{why}. Left: attitude and rate after pulses at {port} over {LEFT:g} s beside those over the {LEFT:g} s "
-        "before, on an attitude that is measured to 0.01 deg. Below 1 the disturbance decays. "
+        "before, on an attitude that is measured to 0.01 deg. Below 1 the disturbance decays, above 1 it grows. "
         "orchestrate margins --change seeks the gain, delay or parameter that loses the hold."
     )
     columns = ["after", "left", "of the pulses", "error"]

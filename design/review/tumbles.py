@@ -133,7 +133,7 @@ def section(facts: Facts, options: Options, case: Case, rows: Rows) -> Section:
         for name, values in (
             ("largest error of the second orbit, deg", rows.numbers("absolute_error")),
             ("rms of it, deg", rows.numbers("rms_error")),
-            ("largest momentum of a wheel, mN.m.s", 1e3 * rows.numbers("wheel_momentum")),
+            ("largest momentum of a wheel, tumble included, mN.m.s", 1e3 * rows.numbers("wheel_momentum")),
         )
         if len(values[~np.isnan(values)]) and (facts.wheels or "wheel" not in name)
     ]
