@@ -50,14 +50,14 @@ def drawing(p: Parameters) -> str:
             line(ring[i], ring[(i + 1) % len(ring)], "#999999", 1.0)
     for a, b in zip(*prism, strict=True):
         line(a, b, "#999999", 1.0)
-    reach = 0.62 * largest
+    reach = 0.72 * largest
     for i, name in enumerate(AXES):
         line(np.zeros(3), reach * np.eye(3)[i], COLOURS["axis"], 1.2, name, ' stroke-dasharray="5 4"')
     for i, axis in enumerate(p.rods_to_body.T, start=1):
-        line(-0.32 * largest * axis, 0.32 * largest * axis, COLOURS["rod"], 4.0, f"u{i}")
+        line(-0.24 * largest * axis, 0.24 * largest * axis, COLOURS["rod"], 4.0, f"u{i}")
     shown = [w for w in zip(p.wheel_list, p.wheel_axes, strict=True) if w[0].momentum_max > 1e-8]
     for i, (_, axis) in enumerate(shown, start=1):
-        place = -0.3 * largest * axis
+        place = 0.45 * largest * axis
         across = np.cross(axis, view) if abs(axis @ view) < 0.99 else np.cross(axis, up)
         across /= np.linalg.norm(across)
         other = np.cross(axis, across)
@@ -67,9 +67,9 @@ def drawing(p: Parameters) -> str:
         parts.append(
             f'<polygon points="{points}" fill="{COLOURS["wheel"]}" fill-opacity="0.35" stroke="{COLOURS["wheel"]}"/>'
         )
-        line(place, place - 0.14 * largest * axis, COLOURS["wheel"], 2.0, f"w{i}")
+        line(place, place + 0.1 * largest * axis, COLOURS["wheel"], 2.0, f"w{i}")
     x, y = at(p.center_of_mass_B)
-    shown_axes = [reach * axis for axis in np.eye(3)] + [-0.5 * largest * axis for _, axis in shown]
+    shown_axes = [reach * axis for axis in np.eye(3)] + [0.64 * largest * axis for _, axis in shown]
     ends = np.array([at(q) for q in (*shown_axes, *(q for ring in prism for q in ring))])
     low, high = ends.min(axis=0) - 30.0, ends.max(axis=0) + 30.0
     box = " ".join(f"{v:.1f}" for v in (*low, *(high - low)))
