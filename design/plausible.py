@@ -36,6 +36,10 @@ SPIN_UP, HOLDS = (0.5, 2000.0), (0.05, 60.0)
 """s in which a motor fills its wheel; deg/s of the body that a full wheel holds."""
 WEAK = 0.1
 """Of the strongest rod's dipole: below it a rod counts as none."""
+APART = 10.0
+"""deg, at least: between a rod and the plane of the two others."""
+SPEEDS = (500.0, 50_000.0)
+"""rpm of a full wheel."""
 SHARE = 0.3
 """Of the rods' torque that disturbances may take: across the field is a part of all directions only."""
 LONG, LEVER, NONE = 1.5, 0.25, 1e-8
@@ -293,6 +297,15 @@ def _of_rods(s: Satellite) -> Iterator[Finding]:
             f"at least {WEAK:g} of it",
             "check rod_limits: one rod gives torque about one axis at a time, two leave one to the field that turns",
         )
+    across = np.abs(np.linalg.det(s.p.rods_to_body)) / np.array(
+        [np.linalg.norm(np.cross(*np.delete(s.p.rods_to_body.T, i, axis=0))) for i in range(3)]
+    )
+    if (apart := math.degrees(math.asin(min(float(across.min()), 1.0)))) < APART:
+        yield Finding(
+            f"rod {int(across.argmin()) + 1} is {apart:.3g} deg from the plane of the two others",
+            f"{APART:g} deg or more",
+            "check rod_axes: across that plane the rods give next to nothing",
+        )
     if s.control_period > 0.2 * s.turned:
         yield Finding(
             f"the control acts every {s.control_period:g} s",
@@ -357,6 +370,13 @@ def _of_wheel(s: Satellite, wheel: Any, axis: Array) -> Iterator[Finding]:
             f"{WHEEL}, full, turns the body at {held:.3g} deg/s about its axis",
             f"{HOLDS[0]:g} to {HOLDS[1]:g} deg/s",
             "check wheel_momentum_max against J_B",
+        )
+    rpm = wheel.momentum_max / wheel.inertia * 30.0 / math.pi
+    if not SPEEDS[0] <= rpm <= SPEEDS[1]:
+        yield Finding(
+            f"{WHEEL}, full, turns at {rpm:.3g} rpm",
+            f"{SPEEDS[0]:g} to {SPEEDS[1]:g} rpm",
+            f"check wheel_inertia ({wheel.inertia:g} kg.m2) against wheel_momentum_max ({wheel.momentum_max:g} N.m.s)",
         )
     emptied = wheel.momentum_max / s.rods if s.rods > 0.0 else math.inf
     if not 1.0 <= emptied <= 0.5 * period:

@@ -210,7 +210,8 @@ def command(
                 f"{law}: the name {law.stem!r} is that of {own[law.stem]}; remedy: another name of the file"
             )
         flown[law.stem], own[law.stem] = with_law(source, place, law), str(law)
-    ctx.with_resource(watched(load_scenario(flown[laws[0].stem]), lost="no table is written"))
+    for law in laws[:1]:  # the others stand in the same place
+        ctx.with_resource(watched(load_scenario(flown[law.stem]), lost="no table is written"))
     bar = Progress(len(flown), True, "laws")
     try:
         rows = ranked(flown, tumbles(runs, math.radians(rate), seed), math.radians(below), bar)

@@ -24,6 +24,8 @@ FIELD = 4.4e-5
 """T: a mean of the Earth's field at 500 km, by which notes give torques."""
 HELD = 0.9
 """Of a wheel's limit: within it a hold is expected to keep the momentum, which no wheel brings beyond its limit."""
+FULL = 200.0 * math.pi
+"""rad/s of a full wheel, 6000 rpm, where its inertia is not given."""
 ERROR, RESIDUAL, DUTY = 0.05, 0.01, 0.8
 """Assumed where not given: error of the inertia, residual dipole over that of the rods; part in which rods are on."""
 KNOWN = {
@@ -151,10 +153,12 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
         notes["wheel_fault"] = "- {name: wheel stuck, cut: plant.wheel_torque_cmd, at: 1 orbits}"
     if kind == "none":
         values["wheel_torque_max"], values["wheel_momentum_max"] = NO_WHEEL
+        values["wheel_inertia"] = values["wheel_inertia"] or "1e-06 kg.m2"
         notes |= {"wheels": "no wheel: next to nothing, as the controller takes it"}
         notes |= {"wheel_torque_max": "none", "wheel_momentum_max": "none", "wheel_momentum_noise": "0 N.m.s"}
     else:
         momentum, motor = number["wheel_momentum_max"], number["wheel_torque_max"]
+        values["wheel_inertia"] = values["wheel_inertia"] or f"{momentum / FULL:.3g} kg.m2"
         notes["wheels"] = "one wheel"
         notes["wheel_torque_max"] = f"full in {momentum / motor:.3g} s" if motor > 0.0 else "the motor gives nothing"
         held = f"{math.degrees(momentum / np.diag(J).max()):.3g} deg/s of the body" if J is not None else "of a wheel"

@@ -40,6 +40,8 @@ PLANTED = [
     ({"plant.omega_B0": [2, -3, 2]}, "omega_B0 is 236 deg/s"),
     ({"plant.residual_dipole_B": [0.2, -0.1, 0.3]}, "residual dipole"),
     ({"rod_limits": [1, 1, 0.02]}, "rod 3 gives at most 0.006 A.m2, the strongest 0.3 A.m2"),
+    ({"rod_axes": [[1, 0, 0], [0.999, 0.0447101778, 0], [0, 0, 1]]}, "is 2.56 deg from the plane of the two others"),
+    ({"wheel_inertia": "1e-9 kg.m2"}, "the wheel, full, turns at 1.91e+07 rpm"),
     ({"goal": "0.05 deg"}, "an attitude error of 0.05 deg is expected"),
 ]
 
@@ -87,6 +89,7 @@ def test_no_mistake_is_seen_in_the_satellites_of_the_evidence(name):
         "dipole_max": one.dipole_max,
         "wheel_torque_max": one.wheel_torque_max,
         "wheel_momentum_max": one.wheel_momentum_max,
+        "wheel_inertia": max(5e-4 * one.wheel_momentum_max, 1e-12),
         "wheel_axis": list(np.array(one.wheel_axis) / np.linalg.norm(one.wheel_axis)),
         "rod_axes": one.rod_axes,
         "body_width": one.size[0],
