@@ -126,7 +126,6 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "rate_health": 1,
         "field_health": 1,
         "u_applied": [*(0.1 * rng.normal(size=3)), 1e-5 * rng.normal()],
-        "dipole_applied": 0.1 * rng.normal(size=3),
         "tau_cmd_B": rng.choice([1e-5, 1e-3]) * rng.normal(size=3),
         "dipole_ff": 3.0 * rng.normal(size=3),
         "wheel_torque_ff": 1e-4 * rng.normal(),
@@ -153,6 +152,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "sun_N": [0.6, -0.48, 0.64],
         "sun_B": [0.3, -0.5, 0.8],
         "sunlight": 1.0,
+        "dipole_applied": [0.04, -0.1, 0.07],
     }
     needed: dict[str, Any] = {}
     if interface.name == "plant_sensors":  # the parameters of `settings` need these inputs
