@@ -8,7 +8,7 @@ Tests: tests/design/test_plausible.py.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -315,9 +315,9 @@ def _of_rods(s: Satellite) -> Iterator[Finding]:
     causes = s.disturbances()
     total = sum(causes.values())
     if total > SHARE * s.rods:
-        parts = ", ".join(f"{name} {value:.2g}" for name, value in sorted(causes.items(), key=lambda c: -c[1]))
         yield Finding(
-            f"disturbances are up to {total:.3g} N.m ({parts}), the rods give {s.rods:.3g} N.m in the weakest field",
+            f"disturbances are up to {total:.3g} N.m ({_parts(causes)}), the rods give {s.rods:.3g} N.m in the weakest "
+            "field",
             f"at most {SHARE:g} of them",
             "a larger dipole_max, or a smaller disturbance",
         )
@@ -328,6 +328,15 @@ def _of_rods(s: Satellite) -> Iterator[Finding]:
             "10 deg or more",
             "rods give no torque about the orbit's normal for long: a wheel has to hold what gathers there",
         )
+
+
+def _lasting(s: Satellite) -> dict[str, float]:
+    """Returns what disturbs at the attitude that is held, too, N m."""
+    return {name: value for name, value in s.disturbances().items() if name != "gravity gradient"}
+
+
+def _parts(causes: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} {value:.2g}" for name, value in sorted(causes.items(), key=lambda c: -c[1]))
 
 
 def _rounded(value: float) -> str:
@@ -355,7 +364,7 @@ def _of_wheels(s: Satellite) -> Iterator[Finding]:
 def _of_wheel(s: Satellite, wheel: Any, axis: Array) -> Iterator[Finding]:
     """Yields what is found of a wheel, which is called WHEEL."""
     period = 2.0 * math.pi * math.sqrt(s.p.orbit.semi_major_axis**3 / s.p.gravitational_parameter)
-    gathered = {name: value for name, value in s.disturbances().items() if name != "gravity gradient"}
+    gathered = _lasting(s)
     spin_up = wheel.momentum_max / wheel.torque_max if wheel.torque_max > 0.0 else math.inf
     if not SPIN_UP[0] <= spin_up <= SPIN_UP[1]:
         yield Finding(
@@ -403,12 +412,11 @@ def _of_no_wheel(s: Satellite) -> Iterator[Finding]:
     """
     if s.goal is None or any(wheel.momentum_max >= NONE for wheel in s.p.wheel_list):
         return
-    acting = {name: value for name, value in s.disturbances().items() if name != "gravity gradient"}
+    acting = _lasting(s)
     bound = 2.0 * float(np.trace(s.p.J_B)) / 3.0 * s.p.gravitational_parameter / s.p.orbit.semi_major_axis**3
     if (total := sum(acting.values())) > bound:
-        parts = ", ".join(f"{name} {value:.2g}" for name, value in sorted(acting.items(), key=lambda c: -c[1]))
         yield Finding(
-            f"there is no wheel, and disturbances are up to {total:.2g} N.m ({parts})",
+            f"there is no wheel, and disturbances are up to {total:.2g} N.m ({_parts(acting)})",
             f"at most {bound:.2g} N.m, twice the mean moment of inertia times the square of the orbit's rate",
             f"rods alone seldom stay within {math.degrees(s.goal):.3g} deg: a wheel, a smaller residual dipole or a "
             "higher orbit",

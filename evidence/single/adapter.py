@@ -35,7 +35,6 @@ def block_header(interface: Interface, text: str) -> str:
         opaque = f"typedef struct {{\n{time}    _Alignas(8) unsigned char bytes[sizeof({title}{kind})];\n}} {kind};"
         text = text.replace(f"typedef {title}{kind} {kind};", opaque)
     for call in _CALLS:
-        text = text.replace(f"#define block_{call} {code}_{call}\n", f"#define block_{call} outer_{call}\n")
         text = re.sub(rf"#define block_{call} {code}_{call}$", f"#define block_{call} outer_{call}", text, flags=re.M)
     end = text.rfind("#endif") if text.startswith("#ifndef BLOCK_H") else len(text)
     used = "\n#undef block_state_used\n#define block_state_used(x) sizeof(State)\n"

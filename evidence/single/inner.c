@@ -6,36 +6,37 @@
 
 #include <string.h>
 
-static void narrow(const void *from, const Field *wide, void *to, const Field *own, size_t n)
+static void narrow_one(const unsigned char *from, unsigned char *to, size_t k)
 {
-    for (size_t i = 0; i < n; ++i) {
-        const unsigned char *source = (const unsigned char *)from + wide[i].offset;
-        unsigned char *target = (unsigned char *)to + own[i].offset;
-        for (size_t k = 0; own[i].kind == FIELD_REAL && k < own[i].count; ++k) {
-            double x;
-            memcpy(&x, source + k * sizeof x, sizeof x);
-            const float y = (float)x;
-            memcpy(target + k * sizeof y, &y, sizeof y);
-        }
-        if (own[i].kind != FIELD_REAL) {
-            memcpy(target, source, own[i].count);
-        }
-    }
+    double x;
+    memcpy(&x, from + k * sizeof x, sizeof x);
+    const float y = (float)x;
+    memcpy(to + k * sizeof y, &y, sizeof y);
 }
 
-static void widen(const void *from, const Field *own, void *to, const Field *wide, size_t n)
+static void widen_one(const unsigned char *from, unsigned char *to, size_t k)
+{
+    float x;
+    memcpy(&x, from + k * sizeof x, sizeof x);
+    const double y = (double)x;
+    memcpy(to + k * sizeof y, &y, sizeof y);
+}
+
+/* n variables from one structure to the other; what is no number has the same bytes in both. */
+static void convert(const void *from, const Field *there, void *to, const Field *here, size_t n, bool narrows)
 {
     for (size_t i = 0; i < n; ++i) {
-        const unsigned char *source = (const unsigned char *)from + own[i].offset;
-        unsigned char *target = (unsigned char *)to + wide[i].offset;
-        for (size_t k = 0; own[i].kind == FIELD_REAL && k < own[i].count; ++k) {
-            float x;
-            memcpy(&x, source + k * sizeof x, sizeof x);
-            const double y = (double)x;
-            memcpy(target + k * sizeof y, &y, sizeof y);
+        const unsigned char *source = (const unsigned char *)from + there[i].offset;
+        unsigned char *target = (unsigned char *)to + here[i].offset;
+        for (size_t k = 0; here[i].kind == FIELD_REAL && k < here[i].count; ++k) {
+            if (narrows) {
+                narrow_one(source, target, k);
+            } else {
+                widen_one(source, target, k);
+            }
         }
-        if (own[i].kind != FIELD_REAL) {
-            memcpy(target, source, own[i].count);
+        if (here[i].kind != FIELD_REAL) {
+            memcpy(target, source, here[i].count);
         }
     }
 }
@@ -60,7 +61,7 @@ static Parameters parameters(const void *p)
 {
     Parameters own;
     memset(&own, 0, sizeof own);
-    narrow(p, wide_parameters, &own, own_parameters, PARAMETERS);
+    convert(p, wide_parameters, &own, own_parameters, PARAMETERS, true);
     return own;
 }
 
@@ -68,7 +69,7 @@ static Inputs inputs(const void *u)
 {
     Inputs own;
     memset(&own, 0, sizeof own);
-    narrow(u, wide_inputs, &own, own_inputs, INPUTS);
+    convert(u, wide_inputs, &own, own_inputs, INPUTS, true);
     return own;
 }
 
@@ -119,7 +120,7 @@ bool single_outputs(void *law, const void *x, const void *u, void *y, Refusal *r
     if (!told(block_outputs(law, own_state, &own, &given, &f), &f, r)) {
         return false;
     }
-    widen(&given, own_outputs, y, wide_outputs, OUTPUTS);
+    convert(&given, own_outputs, y, wide_outputs, OUTPUTS, false);
     return true;
 }
 
@@ -134,6 +135,6 @@ bool single_step(void *law, void *x, const void *u, double h, void *y, Refusal *
         return false;
     }
     (void)state_at(x, time + h);
-    widen(&given, own_outputs, y, wide_outputs, OUTPUTS);
+    convert(&given, own_outputs, y, wide_outputs, OUTPUTS, false);
     return true;
 }

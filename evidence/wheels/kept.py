@@ -66,10 +66,10 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
     five, one = until("angle_5"), until("angle_1")
     drawn = flights.drawn(max(rows.index.tolist()) + 1)
     wheel, lost = rows.numbers("wheel"), CONDITIONS[flights.condition].lost
+    rods_alone, unsettled = lost == flights.wheels, lost == 0 and not np.isfinite(five).all()
+    of_runs = plants(flights, len(drawn)) if rods_alone or unsettled else []
     for i, run in enumerate(rows.index.tolist()):
         lost_hold = lost == 0 and not math.isfinite(five[i])
-        rods_alone = lost == flights.wheels
-        here = plants(flights, run + 1)[run] if lost_hold or rods_alone else None
         yield Flown(  # settled within the last HOLD counts as never
             flights.satellite,
             flights.condition,
@@ -83,8 +83,8 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
             value["wheel_max"][i] / CLASSES[flights.satellite].wheel_momentum_max,
             math.nan if run >= len(bounds) or bounds[run] is None else float(bounds[run] or 0.0),
             *found_in([value[f"found_{k}"][i] for k in range(4)], int(wheel[i]), lost, flights.wheels),
-            fullest_wheel(here, DURATION - 2.0 * ORBIT, DURATION) if here and lost_hold else math.nan,
-            _by_rods(here) if here and rods_alone else math.nan,
+            fullest_wheel(of_runs[run], DURATION - 2.0 * ORBIT, DURATION) if lost_hold else math.nan,
+            _by_rods(of_runs[run]) if rods_alone else math.nan,
         )
 
 

@@ -16,7 +16,7 @@ from fmus.field import EarthField
 from ...fmu.model import Floats
 from ..robustness import Trial
 from .motion import turns
-from .signals import Explanation, Signals, along, apart, between, judged, rms, transposed
+from .signals import Explanation, Signals, along, apart, axes_and_angles, between, judged, rms, transposed
 
 Bools = NDArray[np.bool_]
 NAMES = (
@@ -92,9 +92,7 @@ def _errors(of: Signals, R: Floats, good: Bools, truth: Signals) -> Trial:
     if "R_NB" not in truth.values:
         return Trial(NAMES[2], "", "the loop has no true attitude")
     off = transposed(R[good]) @ truth.values["R_NB"][good]
-    angles = 0.5 * np.stack([off[:, i, j] - off[:, j, i] for i, j in ((2, 1), (0, 2), (1, 0))], axis=1)
-    cosine = 0.5 * (np.trace(off, axis1=1, axis2=2) - 1.0)
-    size = np.arctan2(np.linalg.norm(angles, axis=1), cosine)
+    angles, size = axes_and_angles(off)
     text = f"its error is {np.degrees(np.sqrt((size**2).mean())):.3g} deg rms, {np.degrees(size.max()):.3g} at most"
     if "attitude_bound" in of.values:
         bound = of.values["attitude_bound"][good]

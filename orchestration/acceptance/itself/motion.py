@@ -11,14 +11,27 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...fmu.model import Floats
+from ..polarity.frames import EARTH_RATE
 from ..polarity.wrongs import signed_permutations
 from ..robustness import Trial
-from .signals import Explanation, Signals, along, apart, between, factors, judged, rate, rms, transposed
+from .signals import (
+    Explanation,
+    Signals,
+    along,
+    apart,
+    axes_and_angles,
+    between,
+    factors,
+    judged,
+    rate,
+    rms,
+    transposed,
+)
 
 MU = 3.986004418e14
 """m3/s2, WGS 84."""
 RADIUS, J2 = 6378137.0, 1.08263e-3
-EARTH = np.array([0.0, 0.0, 7.292115e-5])
+EARTH = np.array([0.0, 0.0, EARTH_RATE])
 """rad/s"""
 _DEGREE, _RPM = np.pi / 180, np.pi / 30
 NAMES = (
@@ -32,10 +45,8 @@ NAMES = (
 
 def turns(R: Floats, time: Floats) -> Floats:
     """Returns log(R_before^T R)/h, the mean body rates (n - 1, 3) between attitudes (n, 3, 3)."""
-    step = np.einsum("nji,njk->nik", R[:-1], R[1:])
-    axis = 0.5 * np.stack([step[:, i, j] - step[:, j, i] for i, j in ((2, 1), (0, 2), (1, 0))], axis=1)
+    axis, angle = axes_and_angles(np.einsum("nji,njk->nik", R[:-1], R[1:]))
     sine = np.linalg.norm(axis, axis=1)
-    angle = np.arctan2(sine, 0.5 * (np.trace(step, axis1=1, axis2=2) - 1.0))
     scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-300), 1.0)
     return axis * (scale / np.diff(time))[:, None]
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...errors import BlockError
 from ...fmu.model import Floats
-from ...rotation import three
+from ...rotation import about, three
 from ..polarity.bench import Bench
 from ..polarity.fly import Loop
 from ..robustness import Trial
@@ -160,11 +160,7 @@ def _flown(
 def _turn(v: Floats) -> Floats:
     """exp of a rotation vector (3,), rad."""
     angle = float(np.linalg.norm(v))
-    x, y, z = v
-    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    if angle < 1e-12:
-        return np.eye(3) + K
-    return np.eye(3) + np.sin(angle) / angle * K + (1.0 - np.cos(angle)) / angle**2 * (K @ K)
+    return np.array(about(v.tolist(), angle)).reshape(3, 3) if angle > 0.0 else np.eye(3)
 
 
 def _vector(R: Floats) -> Floats:

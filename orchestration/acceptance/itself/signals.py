@@ -113,6 +113,13 @@ def transposed(matrices: Floats) -> Floats:
     return matrices.transpose(0, 2, 1)
 
 
+def axes_and_angles(matrices: Floats) -> tuple[Floats, Floats]:
+    """Returns axes (n, 3), as long as the sine of the angle, and angles (n,), rad, of rotation matrices (n, 3, 3)."""
+    axes = 0.5 * np.stack([matrices[:, i, j] - matrices[:, j, i] for i, j in ((2, 1), (0, 2), (1, 0))], axis=1)
+    cosine = 0.5 * (np.trace(matrices, axis1=1, axis2=2) - 1.0)
+    return axes, np.arctan2(np.linalg.norm(axes, axis=1), cosine)
+
+
 def number(values: Sequence[float] | Floats) -> str:
     """Returns numbers in brackets."""
     return "[" + ", ".join(f"{value:.3g}" for value in np.ravel(values)) + "]"

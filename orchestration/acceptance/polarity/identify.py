@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -170,6 +171,7 @@ class Identifier:
                     return other
         return None
 
+    @cached_property
     def common(self) -> list[Changes]:
         """Returns one turn, or one mirror, of all that has components along a frame's axes, where ours feels it:
         where N is turned whole, a law gives the same."""

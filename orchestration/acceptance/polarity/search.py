@@ -118,7 +118,7 @@ class Search(Identifier):
         wired = _Wired(theirs, before, first)
         ends, complete = clock() + seconds, True
         singles = [{name: w} for name in self.inputs if name not in self.base for w in self.candidates(name)]
-        tried = self._ranked([{}, *singles, *self.common()], INSTANTS)
+        tried = self._ranked([{}, *singles, *self.common], INSTANTS)
         best = self._explained(tried, wired)
         if best.named and best.after <= ALIKE:
             return best
@@ -150,7 +150,7 @@ class Search(Identifier):
     def _turned(self, wired: _Wired) -> Identified:
         """Looks at one turn of all vectors of a frame on theirs, whose inputs are handed over so that it reads those of
         ours: ours that misreads its inputs may meet limits or a hold that theirs has not."""
-        scored = sorted(((self.corrected(c), c) for c in self.common()), key=lambda pair: pair[0].cost)
+        scored = sorted(((self.corrected(c), c) for c in self.common), key=lambda pair: pair[0].cost)
         near = [pair for pair in scored[:4] if pair[0].error < _LARGE]
         return self._explained(near, wired) if near else self._found({}, wired, wired.before)
 
