@@ -32,8 +32,15 @@ DENSITY = (10.0, 6000.0)
 """kg/m3, of a homogeneous body with this inertia: an empty hull, and near that of steel."""
 TURNS = (3.0, 1000.0)
 """s, in which rods turn the body by a radian: 16 for a 1U, 170 for 500 kg."""
-SPIN_UP, HOLDS = (0.5, 2000.0), (0.05, 60.0)
+SPIN_UP, HOLDS = (2.0, 2000.0), (0.05, 60.0)
 """s in which a motor fills its wheel; deg/s of the body that a full wheel holds."""
+SMALL, DIPOLES = 25.0, (0.5, 1.0)
+"""kg of a small satellite; A m2 of a rod for each kg of it, and of a larger one: 0.03 to 0.15 of CubeSats, 0.75 of the
+paper's."""
+DISC = 0.1
+"""Of the mass: a disc as wide as the body, beyond whose inertia a wheel is none that fits."""
+NOISY = 2.0
+"""Largest change of a wheel's momentum by its noise from sample to sample, beside what the rods give in that time."""
 WEAK = 0.1
 """Of the strongest rod's dipole: below it a rod counts as none."""
 APART = 10.0
@@ -81,6 +88,12 @@ class Satellite:
     def size(self) -> Array:
         """(3,) m: the body's extent along its axes."""
         return np.array([self.p.body_length if a == self.p.body_axis else self.p.body_width for a in AXES])
+
+    @cached_property
+    def heavy(self) -> float:
+        """kg: the mass, or that of a homogeneous body with this inertia."""
+        across = self.size @ self.size - self.size**2
+        return self.mass or float((12.0 * np.diag(self.J) / across).mean())
 
     @property
     def field(self) -> float:
@@ -206,13 +219,11 @@ def _of_inertia(s: Satellite) -> Iterator[Finding]:
         return
     across = (s.size @ s.size - s.size**2).tolist()  # a2 + b2 about each axis
     least, most = DENSITY
-    masses = 12.0 * np.diag(s.J) / across
     if s.mass is None:
-        density = float(masses.mean()) / float(s.size.prod())
+        density = s.heavy / float(s.size.prod())
         if not least <= density <= most:
             yield Finding(
-                f"J_B of {shown} kg.m2 in a body of {_size(s.size)} is that of {masses.mean():.3g} kg, "
-                f"{density:.3g} kg/m3",
+                f"J_B of {shown} kg.m2 in a body of {_size(s.size)} is that of {s.heavy:.3g} kg, {density:.3g} kg/m3",
                 f"{least:g} to {most:g} kg/m3",
                 f"check the units ({_unit(density, least, most)}), or body_width and body_length; "
                 "deployed parts may be meant",
@@ -288,6 +299,13 @@ def _of_rods(s: Satellite) -> Iterator[Finding]:
             f"rods of {s.p.dipole_max:g} A.m2 turn this body by a radian in {s.turned:.3g} s",
             f"{least:g} to {most:g} s",
             f"dipole_max is too {'small' if s.turned > most else 'large'} for J_B, by {_times(s.turned, least, most)}",
+        )
+    dipole, bound = float(s.p.dipole_limit.max()), DIPOLES[s.heavy > SMALL]
+    if dipole > bound * s.heavy:
+        yield Finding(
+            f"a rod gives {dipole:.3g} A.m2 in a body of {s.heavy:.3g} kg",
+            f"at most {bound:g} A.m2 for each kg",
+            "check the unit and the point of dipole_max",
         )
     weak = np.flatnonzero(s.p.dipole_limit < WEAK * s.p.dipole_limit.max()) + 1
     if len(weak):
@@ -387,6 +405,12 @@ def _of_wheel(s: Satellite, wheel: Any, axis: Array) -> Iterator[Finding]:
             f"{SPEEDS[0]:g} to {SPEEDS[1]:g} rpm",
             f"check wheel_inertia ({wheel.inertia:g} kg.m2) against wheel_momentum_max ({wheel.momentum_max:g} N.m.s)",
         )
+    if wheel.inertia > (fits := 0.5 * DISC * s.heavy * (0.5 * float(s.size.min())) ** 2):
+        yield Finding(
+            f"{WHEEL} has an inertia of {wheel.inertia:.3g} kg.m2",
+            f"at most {fits:.2g} kg.m2 of a disc as wide as the body with {DISC:g} of its {s.heavy:.3g} kg",
+            f"check wheel_inertia ({_unit(wheel.inertia, 1e-4 * fits, fits)})",
+        )
     emptied = wheel.momentum_max / s.rods if s.rods > 0.0 else math.inf
     if not 1.0 <= emptied <= 0.5 * period:
         which = "weak for the wheel" if emptied > 1.0 else "strong for it"
@@ -424,6 +448,14 @@ def _of_no_wheel(s: Satellite) -> Iterator[Finding]:
 
 
 def _of_sensors(s: Satellite) -> Iterator[Finding]:
+    told = s.sensors.get("wheel_momentum_noise", 0.0) / s.control_period if s.control_period > 0.0 else 0.0
+    if told > NOISY * s.rods > 0.0:
+        yield Finding(
+            f"the noise of the wheel's momentum from one control period to the next is {told:.2g} N.m, the rods give "
+            f"{s.rods:.2g} N.m",
+            f"at most {NOISY:g} times as much",
+            "wheel_momentum_noise is the error of the wheel's speed that is told times its inertia: check both",
+        )
     if not s.sensors or s.goal is None:
         return
     if s.sensors.get("attitude_noise", 0.0) > 0.0 and s.sensors.get("attitude_rate_max", 1.0) > 1e-6:

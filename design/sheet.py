@@ -26,6 +26,8 @@ HELD = 0.9
 """Of a wheel's limit: within it a hold is expected to keep the momentum, which no wheel brings beyond its limit."""
 FULL = 200.0 * math.pi
 """rad/s of a full wheel, 6000 rpm, where its inertia is not given."""
+TOLD = math.pi / 30.0
+"""rad/s: the error of a wheel's speed that is told, 1 rpm, where it is not given: docs/use/sensors.md#wheels."""
 ERROR, RESIDUAL, DUTY = 0.05, 0.01, 0.8
 """Assumed where not given: error of the inertia, residual dipole over that of the rods; part in which rods are on."""
 KNOWN = {
@@ -164,7 +166,7 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
         held = f"{math.degrees(momentum / np.diag(J).max()):.3g} deg/s of the body" if J is not None else "of a wheel"
         emptied = f"; the rods take it away in {momentum / torque:.3g} s" if torque > 0.0 else ""
         notes["wheel_momentum_max"] = held + emptied
-        notes["wheel_momentum_noise"] = f"{1e-3 * momentum:.3g} N.m.s"
+        notes["wheel_momentum_noise"] = f"{TOLD * found.number('wheel_inertia', values['wheel_inertia']):.3g} N.m.s"
     values["wheel_count"] = 1
     if axes is not None:
         values["wheel_count"] = len(axes)
@@ -188,9 +190,7 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
     values["rate_noise"] = values["rate_noise"] or rate
     values["goal"] = values["goal"] or goal
     on = {"perfect": "PERFECT sensors, which no satellite has", "cubesat": "the sensors of a CubeSat"}
-    law = (
-        "planned controller, bounded allocator" if axes is None else "quaternion feedback by wheels, unloading by rods"
-    )
+    law = f"planned controller{'' if axes is None else ' of wheels'}, bounded allocator"
     measured = on.get(sensors, f"sensors: {sensors}".replace('"', "'"))
     notes["description"] = f"A tumble to LVLH hold on {measured}, the estimator in the loop: {law}"
     return values, notes

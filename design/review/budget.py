@@ -19,6 +19,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import stdtrit
 
 from plant.so3 import Array
 
@@ -80,16 +81,31 @@ def statistics(flights: Sequence[Array], confidence: float) -> Statistics:
     if not flights:
         return Statistics(math.nan, math.nan, math.nan)
     return Statistics(
-        _quantile(np.array([values.max() for values in flights]), confidence),
-        max(_quantile(values, confidence) for values in flights),
-        _quantile(np.concatenate(flights), confidence),
+        quantile(np.array([values.max() for values in flights]), confidence),
+        max(quantile(values, confidence) for values in flights),
+        quantile(np.concatenate(flights), confidence),
     )
 
 
-def _quantile(values: Array, share: float) -> float:
+def quantile(values: Array, share: float) -> float:
     """The least value that at least this share of the values does not exceed."""
     place = max(math.ceil(share * len(values) - 1e-9) - 1, 0)
     return float(np.partition(values, place)[place])
+
+
+def largest_covers(flights: int, share: float) -> float:
+    """Returns the confidence with which the largest of so many flights bounds this share of all (Wilks 1941)."""
+    return 1.0 - share**flights
+
+
+def difference(a: Sequence[float], b: Sequence[float], confidence: float) -> tuple[float, float]:
+    """Returns the mean of a - b of flights with the same draws, and half of its interval by Student's t; nan of one."""
+    each = np.subtract(a, b)
+    n = len(each)
+    if n < 2:
+        return float(each.mean()) if n else math.nan, math.nan
+    t = float(stdtrit(n - 1, 0.5 + 0.5 * confidence))
+    return float(each.mean()), t * float(each.std(ddof=1)) / math.sqrt(n)
 
 
 def summed(nothing: float, alone: Iterable[float]) -> tuple[float, float]:

@@ -48,6 +48,8 @@ def data(facts: Facts) -> Section:
         ("scenario", str(facts.file)),
         ("mass", f"{s.mass:g} kg" if s.mass else "not stated: data: {mass: 4 kg} in the file, or --mass"),
         ("principal moments of inertia", _listed(np.asarray(np.linalg.eigvalsh(s.J)), "kg.m2")),
+        ("moments of inertia about x, y, z", _listed(np.diag(s.J), "kg.m2")),
+        ("elements xy, xz, yz of J_B", _listed(s.J[[0, 0, 1], [1, 2, 2]], "kg.m2")),
         ("error of the inertia that the flight software believes", f"{_share(p.J_error_B, p.J_B):.3g} % of it"),
         ("body", f"{1e3 * p.body_width:g} mm wide, {1e3 * p.body_length:g} mm long along {p.body_axis}"),
         ("centre of mass from the middle", _listed(1e3 * p.center_of_mass_B, "mm")),

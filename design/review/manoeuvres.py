@@ -1,4 +1,4 @@
-"""Single flights of a review: slews, a station that is tracked, and each single failure.
+"""Single flights of a review: slews, and each single failure.
 
 Tests: tests/design/review/test_review.py.
 """
@@ -12,11 +12,10 @@ from typing import Any
 import numpy as np
 
 from orchestration.results.settling import settling
-from plant.orbit import earth_fixed, geodetic
 from plant.so3 import Array
 
 from . import studies
-from .content import Curves, Section, Table, number
+from .content import Section, Table, number
 from .facts import Facts
 from .flights import Flight, Flown
 from .power import commands
@@ -25,13 +24,12 @@ ANGLES = (10, 30, 90, 180)
 """deg"""
 FAILS, ENDS = 1.0, 3.0
 """Orbits after which a part fails, and the flight ends; the last orbit is looked at."""
-ASIDE, PASS, HORIZON, TURN = 5.0, 1.3, 10.0, 0.3
-"""Station aside the track, deg of arc; orbits until it is nearest; least elevation that counts, deg; deg/s of slews."""
 HEALTH = {"gyro": 0, "magnetometer": 1, "GNSS": 2, "star tracker": 3, "sun sensors": 4}
 """Places in the estimator's `health`."""
 
 
-def _signals(facts: Facts) -> tuple[str, ...]:
+def signals(facts: Facts) -> tuple[str, ...]:
+    """Returns the names of what each manoeuvre is seen by."""
     return f"{facts.blocks['plant_judge']}.attitude_error", f"{facts.plant}.h_w"
 
 
@@ -43,7 +41,7 @@ def slews(facts: Facts) -> list[Flight]:
             turn = studies.turned(facts, _turn(i, math.radians(angle)))
             blocks = studies.merged(*studies.perfect(facts), turn)
             made.append(
-                Flight(f"slew-{angle}-{axis}", {"duration": f"{facts.period:.6g} s", "blocks": blocks}, _signals(facts))
+                Flight(f"slew-{angle}-{axis}", {"duration": f"{facts.period:.6g} s", "blocks": blocks}, signals(facts))
             )
     return made
 
@@ -57,16 +55,20 @@ def _turn(axis: int, angle: float) -> Array:
     return R
 
 
+LAW = 1.5
+"""Least times beyond which not the actuators limit a slew."""
 LOST = 90.0
 """deg: a satellite that is farther off in the orbit that is looked at does not hold its attitude."""
+SETS = "allocator_bounded_wheels"
+"""Finds wheels of a set that fail."""
 Worst = tuple[float, str]
 """A metric, and the flight that has it."""
 
 
 def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
-    """Returns times and momenta of the slews, and the longest time until 5 deg, s."""
-    judge, h_w = _signals(facts)
-    rows = []
+    """Returns times and momenta of the slews beside the least, and the longest time until 5 deg, s."""
+    judge, h_w = signals(facts)
+    rows, ratios = [], []
     longest: Worst = (0.0, "")
     for angle in ANGLES:
         for axis in "xyz":
@@ -75,105 +77,40 @@ def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
             within = [settling(one.time, one[judge], math.radians(level)).time for level in (5.0, 1.0)]
             longest = max(longest, (math.inf if within[0] is None else within[0], name))
             momentum = float(np.abs(one[h_w]).max())
+            least = least_time(facts, "xyz".index(axis), math.radians(angle))
+            ratios.append((math.inf if within[1] is None else within[1]) / least)
             told = [number(t, 4) if t is not None else "not within an orbit" for t in within]
-            rows.append([f"{angle} deg", axis, *told, number(1e3 * momentum), one.failure or ""])
-    columns = ["slew", "about", "below 5 deg after, s", "below 1 deg after, s", "largest momentum, mN.m.s", "failed"]
+            rows.append([f"{angle} deg", axis, *told, number(least, 4), number(1e3 * momentum), one.failure or ""])
+    columns = ["slew", "about", "below 5 deg after, s", "below 1 deg after, s", "least, s"]
+    columns += ["largest momentum, mN.m.s", "failed"]
+    middle = float(np.median(ratios))
+    if facts.satellite.p.is_set:
+        by, limit = "the wheels' torques and momenta", "the wheels limit" if middle < LAW else "the law limits"
+    else:
+        by, limit = "wheel and rods across the strongest field", "the field, along which rods give nothing, limits"
     note = (
+        f"Least: about that axis from rest to rest by {by}. At the median the slews take "
+        f"{number(middle, 2)} times it to 1 deg: {limit} them. "
         "From rest relative to the orbit, on an attitude that is measured to 0.01 deg at any rate: what actuators and "
         "law give. The tumbles have the times on the satellite's own sensors."
     )
     return Section("Agility", [Table("Slews", columns, rows, note)]), longest
 
 
-def station(facts: Facts) -> tuple[list[Flight], str]:
-    """Returns the flight that tracks a station beside the ground track, or why there is none."""
-    kind = facts.controller
-    if kind != "controller_planned":
-        this = kind or "no controller"
-        return [], f"A station is not tracked: it is with controller_planned alone, and this is {this}."
-    if not {"plant_sensors", "estimator"} <= facts.blocks.keys():
-        return [], "A station is not tracked: the scenario has no sensors or no estimator."
+def least_time(facts: Facts, axis: int, angle: float) -> float:
+    """Returns the time, s, of a turn about a body axis by an angle, rad, from rest to rest: J e Omega grows by what the
+    actuators give along e at most, and a set of wheels holds it; one wheel has rods beside it, which take momentum."""
     p = facts.satellite.p
-    at = PASS * facts.period
-    latitude, longitude = _place(facts, at)
-    e, c, j, plant = (facts.blocks[k] for k in ("estimator", kind, "plant_judge", "plant"))
-    every = facts.scenario.blocks[c].every
-    torque = 0.2 * facts.satellite.rods
-    slew = 180.0 / TURN + math.radians(TURN) * float(np.linalg.eigvalsh(p.J_B)[2]) / torque  # no turn takes longer
-    start = {
-        "target_latitude": f"{math.degrees(latitude):.4f} deg",
-        "target_longitude": f"{math.degrees(longitude):.4f} deg",
-        "target_height": 0,
-        "slew_rate_max": f"{TURN} deg/s",
-        "slew_torque_max": torque,
-        "settled_angle": facts.goal,
-        "epoch": p.epoch,
-        "J_B": p.J_B.tolist(),
-    }
-    blocks = studies.merged(studies.hold(facts))
-    blocks["supervisor"] = {"fmu": "supervisor", "every": every, "start": start}
-    names = ["R_ref", "Omega_ref", "dOmega_ref", "t_ahead", "turn_ahead", "Omega_ahead"]
-    added = [f"supervisor.{name} -> {c}.{name}" for name in names]
-    added += [f"{e}.{name} -> supervisor.{name}" for name in ("R_NB", "omega_B", "r_N", "v_N", "attitude_valid")]
-    added += [f"supervisor.R_ref -> {j}.R_d", f"supervisor.Omega_ref -> {j}.Omega_d"]
-    changes = {
-        "duration": f"{at + 600.0:.6g} s",
-        "blocks": blocks,
-        "connections": {"add": added},
-        "timeline": [{"at": f"{max(at - 300.0 - slew, 0.0):.6g} s", "set": {"supervisor.command": 6}}],
-    }
-    told = [f"supervisor.{name}" for name in ("mode", "destination", "target_elevation")]
-    signals = (*_signals(facts), *told, f"{plant}.omega_B")
-    return [Flight("station", changes, signals)], ""
-
-
-def _place(facts: Facts, t: float) -> tuple[float, float]:
-    """Returns latitude and longitude, rad, of a point beside the ground track at a time."""
-    p = facts.satellite.p
-    r, v = p.orbit.position_velocity(t)
-    along = v / np.linalg.norm(v)
-    angle = math.radians(ASIDE)
-    up = r / np.linalg.norm(r)
-    beside = math.cos(angle) * up + math.sin(angle) * np.cross(along, up)
-    latitude, longitude, _ = geodetic(earth_fixed(t, p.gmst0).T @ (6.371e6 * beside))
-    return latitude, longitude
-
-
-def tracking(facts: Facts, flown: Mapping[str, Flown], why: str) -> tuple[Section, Worst]:
-    """Returns how well the station is tracked, and the largest error, rad."""
-    if why:
-        return Section("Station tracking", notes=[why]), (math.nan, "")
-    one = flown["station"]
-    judge, h_w = _signals(facts)
-    turned = (one["supervisor.destination"] == 6) & np.isin(one["supervisor.mode"], (2, 6))  # acquiring or there
-    seen = turned & (one["supervisor.target_elevation"] > math.radians(HORIZON))
-    if one.failure or not seen.any():
-        why = one.failure or "The station was never tracked above the horizon."
-        return Section("Station tracking", notes=[why]), (math.inf, "station")
-    error = one[judge][seen]
-    rate = np.linalg.norm(one[f"{facts.plant}.omega_B"][seen], axis=1)
-    rows = [
-        ["time above 10 deg of elevation, tracked", f"{one.time[seen][-1] - one.time[seen][0]:.0f} s"],
-        ["highest elevation", f"{math.degrees(one['supervisor.target_elevation'][seen].max()):.1f} deg"],
-        ["error, median", f"{math.degrees(np.median(error)):.3g} deg"],
-        ["error, rms", f"{math.degrees(math.sqrt(float(np.mean(error**2)))):.3g} deg"],
-        ["error, largest", f"{math.degrees(error.max()):.3g} deg"],
-        ["largest body rate", f"{math.degrees(rate.max()):.3g} deg/s"],
-        ["largest momentum of a wheel", f"{number(1e3 * float(np.abs(one[h_w][seen]).max()))} mN.m.s"],
-    ]
-    minutes = one.time / 60.0
-    late = one.time > one.time[-1] - 1800.0
-    curves = Curves(
-        "Error to the line of sight",
-        minutes[late].tolist(),
-        "time, min",
-        "error, deg",
-        {"attitude error": np.degrees(one[judge][late]).tolist()},
-        log=True,
-    )
-    note = f"A station {ASIDE:g} deg of arc beside the ground track; replay: orchestrate flights/station.yaml"
-    section = Section("Station tracking", [Table("Tracking of a station", ["", "value"], rows, note)], [curves])
-    return section, (float(error.max()), "station")
+    e = np.eye(3)[axis]
+    J = float(e @ p.J_B @ e)
+    along = [(abs(float(e @ a)), wheel) for a, wheel in zip(p.wheel_axes, p.wheel_list, strict=True)]
+    torque = sum(share * wheel.torque_max for share, wheel in along)
+    if not p.is_set:
+        torque += float(np.linalg.norm(p.dipole_limit)) * 2.0 * facts.satellite.field
+        return 2.0 * math.sqrt(angle * J / torque)
+    rate = sum(share * wheel.momentum_max for share, wheel in along) / J
+    a = torque / J
+    return 2.0 * math.sqrt(angle / a) if angle < rate * rate / a else angle / rate + rate / a
 
 
 def failing(facts: Facts) -> list[Flight]:
@@ -181,19 +118,21 @@ def failing(facts: Facts) -> list[Flight]:
     found: list[tuple[str, list[dict[str, Any]]]] = [("none", [])]
     at = f"{FAILS * facts.period:.6g} s"
     found += [(name, [{"at": at, **fault}]) for name, fault in studies.failures(facts).items()]
-    signals = [*_signals(facts)]
+    recorded = [*signals(facts)]
     if facts.controller == "controller_planned":
-        signals += [f"{facts.blocks[facts.controller]}.{name}" for name in ("rod_failed", "wheel_failed")]
+        recorded += [f"{facts.blocks[facts.controller]}.{name}" for name in ("rod_failed", "wheel_failed")]
+    if SETS in facts.blocks:
+        recorded.append(f"{facts.blocks[SETS]}.wheel_failed")
     if "estimator" in facts.blocks:
-        signals.append(f"{facts.blocks['estimator']}.health")
-    signals += commands(facts)
+        recorded.append(f"{facts.blocks['estimator']}.health")
+    recorded += commands(facts)
     blocks = studies.merged(studies.hold(facts))
     duration = f"{ENDS * facts.period:.6g} s"
     return [
         Flight(
             f"failure-{name.replace(' ', '_')}",
             {"duration": duration, "blocks": blocks, "faults": faults},
-            tuple(dict.fromkeys(signals)),
+            tuple(dict.fromkeys(recorded)),
         )
         for name, faults in found
     ]
@@ -201,7 +140,7 @@ def failing(facts: Facts) -> list[Flight]:
 
 def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
     """Returns what is held after each failure and when it is found; the largest error after any of them, rad."""
-    judge, h_w = _signals(facts)
+    judge, h_w = signals(facts)
     at = FAILS * facts.period
     rows = []
     worst: Worst = (0.0, "")
@@ -250,6 +189,8 @@ def _found(facts: Facts, name: str, one: Flown, at: float) -> str:
     for part in ("rod", "wheel"):
         if name.startswith(part) and facts.controller == "controller_planned":
             flag = one[f"{facts.blocks[facts.controller]}.{part}_failed"] > 0
+    if name.startswith("wheel") and SETS in facts.blocks:
+        flag = one[f"{facts.blocks[SETS]}.wheel_failed"][:, int(name.split()[1]) - 1] > 0
     if flag is None:
         return "no block looks for it"
     raised = np.flatnonzero(flag & later)

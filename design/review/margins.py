@@ -18,7 +18,7 @@ from .facts import Facts
 try:
     from orchestration.margins.floquet import coordinates
     from orchestration.margins.inject import Rig
-    from orchestration.margins.measure import measure
+    from orchestration.margins.measure import LIMIT, measure
     from orchestration.margins.periods import follow
     from orchestration.margins.report import HEADER, Found
     from orchestration.margins.site import site
@@ -53,11 +53,17 @@ def section(facts: Facts, source: Source) -> Section:
                 why = "controller_planned solves a new plan at its own times, so the loop has no margins of a moment"
                 return _followed(facts, rig, port, why)
             response = measure(rig)
-            if response.refused:
-                return _followed(facts, rig, port, f"At {port} the loop has no margins: {response.refused}")
+            varies = f"its response changes by {100 * response.change:.2g}% meanwhile" * (response.change > LIMIT)
+            if refused := response.refused or varies:
+                return _followed(facts, rig, port, f"At {port} the loop has no margins: {refused}")
     except (InputError, BlockError) as error:
         return Section("Stability margins", notes=[f"Not measured at {port}: {error}"])
-    note = f"In the hold, at {port}, on an attitude that is measured to 0.01 deg: noise of sensors would hide the loop."
+    note = (
+        f"In the hold, at {port}, on an attitude that is measured to 0.01 deg: noise of sensors would hide the loop. "
+        f"Of small motions {WHEN:g} orbits after the start; meanwhile the response changed by "
+        f"{100 * response.change:.2g}%. They do not hold in a slew, while momentum is shed, or at a limit of a rod or "
+        "wheel."
+    )
     found = Found.of(loaded.name, loaded.duration, response)
     p = facts.satellite.p
     spare = [f"{facts.plant}.wheel_torque_cmd[{i}]" for i in range(p.wheels + 1, 5)] if p.is_set else []

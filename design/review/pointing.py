@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestration.campaign.case import Case
+from orchestration.campaign.flying.rows import Rows
 from plant.so3 import Array
 
 from . import budget, studies, tumbles
@@ -67,8 +68,8 @@ def _named(name: str, member: int) -> str:
     return f"hold-{name.replace(' ', '_')}-{member}"
 
 
-Errors = dict[str, dict[str, list[Array]]]
-"""By `pointing` and `knowledge`, and by case, the errors (n, 3) rad of each flight."""
+Errors = dict[str, dict[str, dict[int, Array]]]
+"""By `pointing` and `knowledge`, case and member, the errors (n, 3) rad of a flight."""
 
 
 def errors(facts: Facts, options: Options, flown: Mapping[str, Flown]) -> tuple[Errors, int]:
@@ -82,9 +83,9 @@ def errors(facts: Facts, options: Options, flown: Mapping[str, Flown]) -> tuple[
             if one.failure or not late.any():
                 failed += 1
                 continue
-            found["pointing"].setdefault(name, []).append(_of_pointing(facts, one, late))
+            found["pointing"].setdefault(name, {})[member] = _of_pointing(facts, one, late)
             if "estimator" in facts.blocks:
-                found["knowledge"].setdefault(name, []).append(_of_knowledge(facts, one, late)[0])
+                found["knowledge"].setdefault(name, {})[member] = _of_knowledge(facts, one, late)[0]
     return found, failed
 
 
@@ -101,24 +102,24 @@ def _of_knowledge(facts: Facts, one: Flown, rows: NDArray[np.bool_] | slice) -> 
     return budget.rotation_vectors(estimated[known].transpose(0, 2, 1) @ R[known]), known
 
 
-def section(facts: Facts, options: Options, flown: Mapping[str, Flown]) -> Section:
-    """Returns the budget as tables."""
+def section(facts: Facts, options: Options, flown: Mapping[str, Flown], rows: Rows) -> Section:
+    """Returns the budget as tables, beside what the tumbles hold in their second orbit."""
     found, failed = errors(facts, options, flown)
     tables = []
     percent = f"{100.0 * options.confidence:.4g}%"
+    tumbled = len(rows)
     for kind, by_case in found.items():
         if not by_case:
             continue
-        each = {
-            name: budget.of_flights(flights, INTERVAL, options.window, options.drift, options.confidence)
-            for name, flights in by_case.items()
-        }
-        total = each.get(ALL)
-        if total is None:
+        if ALL not in by_case:
             continue
-        rows = [[index, *map(_deg, total[index])] for index in budget.INDICES]
-        tables.append(Table(f"Errors of {kind}", ["error", "ensemble, deg", "temporal, deg", "mixed, deg"], rows))
-        tables.append(_by_contributor(facts, kind, each))
+        total = _statistics(options, by_case[ALL])
+        listed = [[index, *map(_deg, total[index]), *_after_tumbles(kind, index, rows, options.confidence)]
+                  for index in budget.INDICES]  # fmt: skip
+        columns = ["error", "ensemble, deg", "temporal, deg", "mixed, deg"]
+        columns += [f"{percent} of tumbles, deg", "worst tumble, deg"]
+        tables.append(Table(f"Errors of {kind}", columns, listed))
+        tables.append(_by_contributor(facts, options, kind, by_case))
     notes = [
         f"Hold at rest from {SETTLED:g} to {SETTLED + OBSERVED:g} orbits after its start; {options.members} flights "
         f"with all errors, {members(options, NONE)} of each other case, with the same draws; {failed} failed. Replay: "
@@ -127,6 +128,12 @@ def section(facts: Facts, options: Options, flown: Mapping[str, Flown]) -> Secti
         f"Temporal: the worst flight does not exceed it for {percent} of the time. Mixed: {percent} of all samples.",
         f"Absolute: the error itself. Mean: over windows of {options.window:g} s. Relative: the rest within a window. "
         f"Drift: difference of the means of two windows {options.drift:g} s apart.",
+        f"Of tumbles: the largest error in the second orbit of each; {percent} of the {tumbled} are not above it. "
+        "A tumble leaves other states than a start at rest: momentum in wheels, what estimator and controller have "
+        "learned, errors that have not settled. Where these values are above the ensemble's, count with them.",
+        f"With {options.members} flights the largest bounds {percent} of all with a confidence of "
+        f"{_confidence(options.members, options.confidence)}, with {tumbled} tumbles of "
+        f"{_confidence(tumbled, options.confidence)} (Wilks): values below the largest are estimates.",
         "ECSS-E-ST-60-10C names errors of these kinds and statistics; its text was not at hand, and no clause of it is "
         "cited. The sums are the plain ones: linear, and the root of the sum of squares of what each adds.",
     ]
@@ -135,17 +142,49 @@ def section(facts: Facts, options: Options, flown: Mapping[str, Flown]) -> Secti
     return Section("Pointing budget", tables, _figures(facts, flown), notes)
 
 
-def _by_contributor(facts: Facts, kind: str, each: Mapping[str, Mapping[str, budget.Statistics]]) -> Table:
-    """Returns the mixed statistics of each contributor alone and left out, and both sums beside all together."""
+def _confidence(flights: int, share: float) -> str:
+    return f"{100.0 * budget.largest_covers(flights, share):.3g}%"
+
+
+def _statistics(options: Options, flights: Mapping[int, Array]) -> Mapping[str, budget.Statistics]:
+    return budget.of_flights(list(flights.values()), INTERVAL, options.window, options.drift, options.confidence)
+
+
+def _after_tumbles(kind: str, index: str, rows: Rows, confidence: float) -> list[str]:
+    """Returns what a share of the tumbles has at most in the second orbit, and the worst; dashes where none is kept."""
+    name = f"{index}_error" if kind == "pointing" else "knowledge_error" if index == "absolute" else ""
+    if name not in {metric["name"] for metric in rows.manifest["metrics"]}:
+        return ["–", "–"]
+    values = rows.numbers(name)
+    values = np.where(np.isnan(values), np.inf, values)
+    found = [budget.quantile(values, confidence), float(values.max())]
+    return [_deg(math.radians(v) if tumbles.in_degrees(name) else v) for v in found]
+
+
+def _by_contributor(facts: Facts, options: Options, kind: str, by_case: Mapping[str, Mapping[int, Array]]) -> Table:
+    """Returns the mixed statistics of each contributor alone, and both sums beside all together; and by how much all
+    errors are less without it, of flights with the same draws."""
+    count = members(options, NONE)
+    kept = {case: {i: e for i, e in flights.items() if i < count} for case, flights in by_case.items()}
+    each = {case: _statistics(options, flights) for case, flights in kept.items()}
+    alike = {(case, i): _statistics(options, {i: e}) for case, flights in kept.items() for i, e in flights.items()}
 
     def value(case: str, index: str) -> float:
         return each[case][index].mixed if case in each else math.nan
 
+    def less(case: str, index: str) -> str:
+        both = [i for i in kept.get(ALL, {}) if i in kept.get(case, {})]
+        whole, without = ([alike[one, i][index].mixed for i in both] for one in (ALL, case))
+        mean, spread = budget.difference(whole, without, options.confidence)
+        if math.isnan(spread):
+            return _deg(mean)
+        return f"{_deg(mean)} ± {_deg(spread)}" if abs(mean) > spread else "not distinguishable"
+
     shown = ("absolute", "relative")
     rows = []
     for name in studies.contributors(facts):
-        alone, left = f"{name} alone", f"without {name}"
-        rows.append([name, *(_deg(value(case, index)) for index in shown for case in (alone, left))])
+        told = ((_deg(value(f"{name} alone", index)), less(f"without {name}", index)) for index in shown)
+        rows.append([name, *(text for pair in told for text in pair)])
     rows.append(["none of them", *(text for index in shown for text in (_deg(value(NONE, index)), "–"))])
     sums = {
         index: budget.summed(value(NONE, index), [value(f"{n} alone", index) for n in studies.contributors(facts)])
@@ -154,13 +193,15 @@ def _by_contributor(facts: Facts, kind: str, each: Mapping[str, Mapping[str, bud
     for place, name in enumerate(("linear sum", "root of the sum of squares")):
         rows.append([name, *(text for index in shown for text in (_deg(sums[index][place]), "–"))])
     rows.append([ALL, *(text for index in shown for text in (_deg(value(ALL, index)), "–"))])
-    columns = ["contributor", *(f"{index}, {case}, deg" for index in shown for case in ("alone", "left out"))]
+    columns = ["contributor", *(f"{index}, {case}, deg" for index in shown for case in ("alone", "less without it"))]
     return Table(
         f"Errors of {kind} by contributor",
         columns,
         rows,
-        "Mixed statistics. A sum above the value of all together is a budget on the safe side; one below it says that "
-        "the errors act together, and that the loop is not linear in them.",
+        f"Alone: mixed statistics of {count} flights. Less without it: mean over the same {count} flights of what each "
+        f"has less, with its interval at {100.0 * options.confidence:.4g}% by Student's t; not distinguishable: zero "
+        "lies in the interval. A sum above the value of all together is a budget on the safe side; one below it says "
+        "that the errors act together, and that the loop is not linear in them.",
     )
 
 

@@ -10,14 +10,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from time import perf_counter, process_time
+from time import perf_counter
 
-from orchestration import InputError
-from orchestration.scenario.source import Source
-from orchestration.session.read import load, read
-from orchestration.session.run import whole
+from orchestration.session.read import read
 
-from . import inputs, manoeuvres, margins, pointing, studies, tumbles, verify
+from . import inputs, manoeuvres, margins, pointing, station, studies, tumbles, verify
 from .content import Review, Section
 from .facts import Facts, facts
 from .flights import fly
@@ -25,8 +22,8 @@ from .flights import motion as flown_alone
 from .options import Options, Tell
 from .power import power
 
-SAMPLE, SAMPLE_RODS = 0.4, 1.0
-"""Orbits of the file's own tumble that are flown to see how fast it is; by rods alone plans are searched all along."""
+FIRST = 2
+"""Tumbles of each worker by whose time on this machine the rest is announced."""
 LIMITS = [
     "Flexible parts, sloshing, moving panels and appendages: the body is rigid.",
     "Failures of two parts at once, failures that come and go, the computer, the radio and the power supply.",
@@ -48,9 +45,14 @@ def review(
     begun = perf_counter()
     found = facts(file, options.mass)
     source = read(file)
-    tracks, why = manoeuvres.station(found)
-    announce(_planned(found, options, len(tracks), speed(found, source)))
-    case, rows = tumbles.fly(found, options, folder, lambda done: tell("tumbles", done, options.runs))
+    tracks, why = station.station(found)
+    timed = Timed(found, options, len(tracks), announce)
+
+    def tumbled(done: int) -> None:
+        timed(done)
+        tell("tumbles", done, options.runs)
+
+    case, rows = tumbles.fly(found, options, folder, tumbled)
     place = folder / "flights"
     holds = pointing.flights(found, options, case)
     singles = [*manoeuvres.slews(found), *tracks, *manoeuvres.failing(found)]
@@ -59,7 +61,7 @@ def review(
     motion = flown_alone(file, f"{tumbles.ORBITS * found.period:.6g} s", place)
     disturbed, factors = inputs.disturbances(found)
     agility, slew_time = manoeuvres.agility(found, flown)
-    station, station_error = manoeuvres.tracking(found, flown, why)
+    tracked, station_error = station.tracking(found, flown, why)
     failures, after_failure = manoeuvres.failures(found, flown)
     single = {
         "slew_time": slew_time,
@@ -72,9 +74,9 @@ def review(
         inputs.data(found),
         disturbed,
         replace(tumbles.section(found, options, case, rows), motion=motion),
-        pointing.section(found, options, flown),
+        pointing.section(found, options, flown, rows),
         agility,
-        station,
+        tracked,
         failures,
         margins.section(found, source),
         power(found, options, flown),
@@ -92,42 +94,39 @@ def review(
     return Review(found.scenario.name, found.scenario.description, shown, sections, said)
 
 
-def speed(found: Facts, source: Source) -> float:
-    """Returns how many steps a second a processor flies of the file's own tumble, whatever else it does.
+class Timed:
+    """Says how many flights there are, and after the first tumbles by their time on this machine how long the rest
+    takes."""
 
-    Raises InputError where the tumble has no first sample.
-    """
-    source = source.without([(name,) for name in ("record", "expect", "figures", "live", "timeline", "faults")])
-    duration = (SAMPLE if found.wheels else SAMPLE_RODS) * found.period
-    for seconds in (min(60.0, duration), duration):  # the first loads
-        scenario = load(source.with_value("duration", f"{seconds:.6g} s", "review"))
-        begun = process_time()
-        flown = whole(scenario)
-        if flown.failure is not None and not len(flown.time):
-            raise InputError(f"{found.file}: {flown.failure}")
-    return float(flown.time[-1]) / scenario.step / max(process_time() - begun, 1e-3)
+    def __init__(self, found: Facts, options: Options, tracks: int, announce: Callable[[str], None]) -> None:
+        holds = sum(pointing.members(options, name) for name in pointing.cases(found))
+        fails = len(studies.failures(found)) + 1
+        slews = len(manoeuvres.slews(found))
+        self._others = (pointing.SETTLED + pointing.OBSERVED) * holds + tumbles.ORBITS
+        self._others += manoeuvres.ENDS * fails + slews + station.PASS * tracks
+        self._runs, self._first, self._announce = options.runs, FIRST * max(options.workers, 1), announce
+        self._began: tuple[float, int] | None = None
+        self._said = False
+        flights = options.runs + holds + fails + slews + tracks + 1
+        announce(f"{flights} flights, {tumbles.ORBITS * options.runs + self._others:.0f} orbits, less what is there")
 
-
-def _planned(found: Facts, options: Options, tracks: int, steps: float) -> str:
-    """Returns how many flights there are, and about how long they take."""
-    holds = sum(pointing.members(options, name) for name in pointing.cases(found))
-    fails = len(studies.failures(found)) + 1
-    slews = len(manoeuvres.slews(found))
-    orbits = tumbles.ORBITS * (options.runs + 1) + (pointing.SETTLED + pointing.OBSERVED) * holds
-    orbits += manoeuvres.ENDS * fails + slews + manoeuvres.PASS * tracks
-    minutes = orbits * found.period / found.scenario.step / steps / max(options.workers, 1) / 60.0
-    flights = options.runs + holds + fails + slews + tracks + 1
-    return (
-        f"{flights} flights, {orbits:.0f} orbits: about {max(minutes, 1):.0f} min on "
-        f"{max(options.workers, 1)} free cores at {steps:,.0f} steps a second, less what has been flown"
-    )
+    def __call__(self, done: int) -> None:
+        """Takes how many tumbles have been flown."""
+        now = perf_counter()
+        if self._began is None:
+            self._began = now, done
+        elif done >= self._began[1] + self._first and not self._said:
+            each = (now - self._began[0]) / (done - self._began[1]) / tumbles.ORBITS
+            left = each * (tumbles.ORBITS * (self._runs - done) + self._others)
+            self._announce(f"about {max(left / 60.0, 1.0):.0f} min more, by the time of the first tumbles")
+            self._said = True
 
 
 def _left(found: Facts) -> Section:
     """Returns what was not looked at."""
     notes = list(LIMITS)
     errors = studies.contributors(found)
-    missing = [name for name in studies.CONTRIBUTORS if name not in errors]
+    missing = [name for name in studies.CONTRIBUTORS if name not in errors and studies.aboard(found, name)]
     if missing:
         notes.append(f"Errors that the file does not state, and that are taken as zero: {', '.join(missing)}.")
     if not math.isfinite(found.satellite.goal or math.inf):

@@ -68,13 +68,20 @@ def contributors(facts: Facts) -> list[str]:
             there = any(np.any(getattr(p, key)) for key in values)
         else:
             there = any(facts.size(kind, key) > 0.0 for key in values)
-        if name == "star tracker" and 0.0 < facts.size(kind, "attitude_rate_max") < 1e-9:
-            there = False  # so is none said to be there
+        there &= aboard(facts, name)
         if name.startswith("field of view"):
             there = 0.0 < facts.size(kind, "sun_sensor_half_angle") < math.radians(89.9)
         if there:
             found.append(name)
     return found
+
+
+def aboard(facts: Facts, name: str) -> bool:
+    """Whether the satellite has what a contributor is of; a star tracker that gives no attitude at any rate is none."""
+    sensors = "plant_sensors"
+    if CONTRIBUTORS[name][0] == sensors and sensors not in facts.blocks:
+        return False
+    return name != "star tracker" or not 0.0 < facts.size(sensors, "attitude_rate_max") < 1e-9
 
 
 def without(facts: Facts, names: list[str]) -> dict[str, dict[str, Any]]:

@@ -82,11 +82,9 @@ def campaign(facts: Facts, options: Options, folder: Path) -> dict[str, Any]:
             {"name": "knowledge_error", "signal": signal, "unit": "deg", "statistic": "maximum", "after": half}
         )
     signals = [f"{plant}.{name}" for name in ("R_NB", "r_N", "v_N")]
-    wanted = {one.metric for one in options.requirements}
     metrics += [
         {"name": name, "python": f"pointing:{name}", "signals": signals, "unit": "rad"}
         for name in ("mean_error", "relative_error", "drift_error")
-        if name in wanted
     ]
     return {
         "name": DRAWN,
@@ -104,8 +102,8 @@ def campaign(facts: Facts, options: Options, folder: Path) -> dict[str, Any]:
     }
 
 
-def fly(facts: Facts, options: Options, folder: Path, tell: Callable[[int], None]) -> tuple[Case, Rows]:
-    """Flies what is left of the campaign and returns its rows. Raises InputError, KeyboardInterrupt."""
+def prepared(facts: Facts, options: Options, folder: Path) -> Case:
+    """Writes the campaign's files and returns it. Raises InputError."""
     file = folder / "tumbles.yaml"
     lines = [_CODE.format(package=__package__, R_d0=facts.R_d0.tolist(), plant=facts.plant,
                           window=options.window, drift=options.drift)]  # fmt: skip
@@ -115,7 +113,12 @@ def fly(facts: Facts, options: Options, folder: Path, tell: Callable[[int], None
         folder.mkdir(parents=True, exist_ok=True)
         put(folder / "pointing.py", "\n\n".join(lines))
         put(file, f"# Written by orchestrate review.\n{written(campaign(facts, options, folder))}")
-    case = read_campaign(file)
+    return read_campaign(file)
+
+
+def fly(facts: Facts, options: Options, folder: Path, tell: Callable[[int], None]) -> tuple[Case, Rows]:
+    """Flies what is left of the campaign and returns its rows. Raises InputError, KeyboardInterrupt."""
+    case = prepared(facts, options, folder)
     finished = engine.fly(case, folder / DRAWN, options.workers, tell=lambda at: tell(at.flown))
     if finished.interrupted:
         raise KeyboardInterrupt
@@ -243,7 +246,7 @@ def counted(rows: Rows, asked: Asked, latest: float) -> tuple[int, int, float]:
     """Returns how many runs meet a requirement, of how many, and the margin of the share that it asks for, in the
     metric's own unit.
     """
-    values = numbers(rows, asked.metric, latest) * (math.pi / 180.0 if _in_degrees(asked.metric) else 1.0)
+    values = numbers(rows, asked.metric, latest) * (math.pi / 180.0 if in_degrees(asked.metric) else 1.0)
     if asked.below is not None:
         values = np.where(np.isnan(values), np.inf, values)
         margin = asked.below - float(np.quantile(values, asked.probability, method="inverted_cdf"))
@@ -254,5 +257,5 @@ def counted(rows: Rows, asked: Asked, latest: float) -> tuple[int, int, float]:
     return int((values > asked.above).sum()), len(values), margin
 
 
-def _in_degrees(metric: str) -> bool:
+def in_degrees(metric: str) -> bool:
     return metric in ("absolute_error", "knowledge_error")

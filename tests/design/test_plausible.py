@@ -42,6 +42,10 @@ PLANTED = [
     ({"rod_limits": [1, 1, 0.02]}, "rod 3 gives at most 0.006 A.m2, the strongest 0.3 A.m2"),
     ({"rod_axes": [[1, 0, 0], [0.999, 0.0447101778, 0], [0, 0, 1]]}, "is 2.56 deg from the plane of the two others"),
     ({"wheel_inertia": "1e-9 kg.m2"}, "the wheel, full, turns at 1.91e+07 rpm"),
+    ({"dipole_max": "3 A.m2"}, "a rod gives 3 A.m2 in a body of 4"),
+    ({"wheel_torque_max": "3 mN.m"}, "the wheel is full after 0.667 s"),
+    ({"wheel_inertia": "6e-3 kg.m2"}, "has an inertia of 0.006 kg.m2; expected at most 0.0005 kg.m2"),
+    ({"sensors.wheel_momentum_noise": "0.02 mN.m.s"}, "the noise of the wheel's momentum"),
     ({"goal": "0.05 deg"}, "an attitude error of 0.05 deg is expected"),
 ]
 

@@ -99,3 +99,20 @@ def test_a_flight_shorter_than_a_window_has_no_means():
     found = budget.of_flights([np.full((5, 3), 1e-3)], STEP, WINDOW, APART, P)
     assert found["absolute"].mixed == pytest.approx(1e-3 * np.sqrt(3.0))
     assert np.isnan(found["mean"].mixed)
+
+
+def test_the_largest_of_59_flights_bounds_95_percent_with_95_percent_confidence():
+    """The well-known number of Wilks, and what 20 flights say."""
+    assert budget.largest_covers(59, 0.95) >= 0.95 > budget.largest_covers(58, 0.95)
+    assert budget.largest_covers(20, 0.95) == pytest.approx(0.6415, abs=1e-4)
+
+
+def test_differences_of_paired_flights_have_their_interval():
+    """Four pairs by hand: differences 1, 2, 3, 4, t = 3.1824 of 3 degrees of freedom, s = 1.2910."""
+    mean, spread = budget.difference([11.0, 22.0, 33.0, 44.0], [10.0, 20.0, 30.0, 40.0], 0.95)
+    assert mean == 2.5
+    assert spread == pytest.approx(3.18245 * 1.290994 / 2.0, rel=1e-5)
+    assert np.isnan(budget.difference([1.0], [0.5], 0.95)[1])
+    rng = np.random.default_rng(1)
+    covered = [abs(m) <= s for m, s in (budget.difference(rng.normal(size=4), np.zeros(4), 0.95) for _ in range(4000))]
+    assert np.mean(covered) == pytest.approx(0.95, abs=0.01)

@@ -30,7 +30,7 @@ def test_sensors_have_the_units_of_their_data_sheets(facts):
     assert rows["field_bias_B"] == "100, -150, 120 nT"
     assert rows["angle_random_walk"] == "0.014 deg"
     assert rows["rate_quantum"] == "0.0038 deg/s"
-    assert rows["wheel_momentum_noise"] == "2 uN.m.s"
+    assert rows["wheel_momentum_noise"] == "0.333 uN.m.s"
     assert rows["position_noise"] == "1.5 m"
     assert inputs.as_in_sheets(np.radians([10.0 / 3600.0]), "rad") == "10 arcsec"
     assert not any(text.endswith((" rad", " rad/s", " T")) for text in rows.values())
