@@ -57,6 +57,8 @@ def test_what_was_written_beforehand_is_said_and_nothing_false(kind, seed, flavo
         (9204085, ["orbit along the axes of J2000", "left-handed port, untold"]),
         (9206140, ["bias of an axis", "position along the Earth's axes"]),
         (9206085, ["orbit along the axes of J2000", "bias of an axis"]),
+        (9207189, ["unit, untold", "noise"]),
+        (9207344, ["unit, untold", "own sample time"]),
     ],
 )
 @pytest.mark.thorough
@@ -85,3 +87,19 @@ def test_a_turn_of_all_is_named_where_theirs_has_no_limit_at_which_ours_would_ho
     verdict = judge(case, path, ours)
     assert verdict.named, verdict.said
     assert not verdict.false
+
+
+@pytest.mark.thorough
+def test_of_one_that_never_gives_anything_it_is_told_that_it_is_stuck_and_no_wiring(tmp_path):
+    ours = read(SCENARIO)
+    opened = open_scenario(load(ours))
+    case = kinds.make(3, ["names only"], units=True)
+    block = case.vendor.block
+    outputs = [port for port in case.vendor.ports if port.causality == "output"]
+    case.vendor.effects = [("dead", port.ours, i, 1e9) for port in outputs for i in range(port.size)]
+    case.causes = [("stuck", port.ours, 0.0) for port in outputs]
+    starts = [(start.element, start.value) for start in opened.plan.starts[block]]
+    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus[block], starts, "FMI 2")
+    verdict = judge(case, path, ours)
+    assert not verdict.false
+    assert [words for words in verdict.said if "stuck at 0" in words] == verdict.said != []

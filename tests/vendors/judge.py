@@ -10,7 +10,7 @@ import numpy as np
 
 from orchestration.acceptance.check import check
 from orchestration.acceptance.polarity.swaps import look
-from orchestration.acceptance.polarity.wrongs import signed_permutations
+from orchestration.acceptance.polarity.wrongs import signed_permutations, usual_factors
 from orchestration.acceptance.suggest import suggest
 from orchestration.fmu.interfaces import reference
 from orchestration.scenario.mapping import Mapping
@@ -86,16 +86,19 @@ def judge(case: Case, path: Path, ours: Source) -> Verdict:
 def _is_truth(words: str, case: Case) -> bool:
     """Whether another wiring that is said to serve equally well, in words, is the one that is to be named."""
     said = dict(part.partition(": ")[::2] for part in words.replace(" (left-handed)", "").split(", "))
-    known = dict(signed_permutations())
     return set(said) == set(case.named) and all(
-        text in known and case.truth[port][0] == "linear" and _turns(known[text], case.truth[port][1])
-        for port, text in said.items()
+        case.truth[port][0] == "linear" and _is_read(text, port, case) for port, text in said.items()
     )
 
 
-def _turns(read: Any, A: Any) -> bool:
-    """Whether theirs = A ours is read so where it is taken for ours, but for its unit."""
-    return A.shape == (3, 3) and np.allclose(np.linalg.inv(A) * np.abs(A).max(), read)
+def _is_read(text: str, port: str, case: Case) -> bool:
+    """Whether theirs = A ours is read so where it is taken for ours: turned, but for its unit, or in another unit."""
+    A = case.truth[port][1]
+    turns, unit = dict(signed_permutations()), reference(case.vendor.block, Path()).model.variables[port].unit
+    if text in turns:
+        return A.shape == (3, 3) and np.allclose(np.linalg.inv(A) * np.abs(A).max(), turns[text])
+    factor = dict(usual_factors(unit, rare=True)).get(text) if unit else None
+    return factor is not None and np.allclose(A * factor, np.eye(len(A)))
 
 
 def serves(fitted: Fit, ours: str, truth: tuple[Any, ...]) -> bool:

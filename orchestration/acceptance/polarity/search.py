@@ -119,6 +119,8 @@ class Search(Identifier):
         ends, complete = clock() + seconds, True
         singles = [{name: w} for name in self.inputs if name not in self.base for w in self.candidates(name)]
         tried = self._ranked([{}, *singles, *self.common], INSTANTS)
+        if _is_silent(theirs) and (wakes := self._explained([pair for pair in tried if pair[1]], wired)).named:
+            return wakes
         best = self._explained(tried, wired)
         if best.named and best.after <= ALIKE:
             return best
@@ -185,7 +187,7 @@ class Search(Identifier):
         for score, changes in [*((self.corrected(c), c) for c in plain), *again[:most]]:
             every = {**self.base, **changes}
             read = wired.outputs if not changes else self.theirs_on(self.whole, changes)
-            if ours is None or read is None or not np.isfinite(score.error):
+            if ours is None or read is None or not np.isfinite(score.error) or (changes and _is_silent(read)):
                 continue
             for outputs in ({}, score.outputs) if score.outputs else ({},):
                 causes, after = self.explain(ours, read, outputs)
@@ -396,6 +398,11 @@ def _of_the_angle(reading: Reading, changes: Changes) -> bool:
     read = [changes[n].matrix for n in reading.where.split(" and ") if n in changes and len(reading.starts) > 1]
     turns = [M for M in read if M is not None and M.shape == (3, 3) and np.linalg.det(M) > 0.0]
     return any(np.allclose(M[2], (0.0, 0.0, 1.0)) for M in turns)
+
+
+def _is_silent(outputs: Mapping[str, Floats]) -> bool:
+    """Whether nothing ever comes out: any wrong wiring that leads there would explain it."""
+    return not any(values.any() for values in outputs.values())
 
 
 def _mended(outputs: Mapping[str, Wrong], name: str, values: Floats) -> Floats:
