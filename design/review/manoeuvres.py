@@ -83,14 +83,14 @@ def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
             rows.append([f"{angle} deg", axis, *told, number(least, 4), number(1e3 * momentum), one.failure or ""])
     columns = ["slew", "about", "below 5 deg after, s", "below 1 deg after, s", "least, s"]
     columns += ["largest momentum, mN.m.s", "failed"]
-    middle = float(np.median(ratios))
+    took = f"At the median the slews take {number(float(np.median(ratios)), 2)} times it to 1 deg"
     if facts.satellite.p.is_set:
-        by, limit = "the wheels' torques and momenta", "the wheels limit" if middle < LAW else "the law limits"
+        by = "the wheels' torques and momenta"
+        took += f": {'the wheels' if np.median(ratios) < LAW else 'the law, not the wheels,'} set their time"
     else:
-        by, limit = "wheel and rods across the strongest field", "the field, along which rods give nothing, limits"
+        by = "wheel and rods, the field across it at its strongest, which it seldom is"
     note = (
-        f"Least: about that axis from rest to rest by {by}. At the median the slews take "
-        f"{number(middle, 2)} times it to 1 deg: {limit} them. "
+        f"Least: about that axis from rest to rest by {by}. {took}. "
         "From rest relative to the orbit, on an attitude that is measured to 0.01 deg at any rate: what actuators and "
         "law give. The tumbles have the times on the satellite's own sensors."
     )
@@ -107,7 +107,7 @@ def least_time(facts: Facts, axis: int, angle: float) -> float:
     torque = sum(share * wheel.torque_max for share, wheel in along)
     if not p.is_set:
         torque += float(np.linalg.norm(p.dipole_limit)) * 2.0 * facts.satellite.field
-        return 2.0 * math.sqrt(angle * J / torque)
+        return 2.0 * math.sqrt(angle * J / torque) if torque > 0.0 else math.inf
     rate = sum(share * wheel.momentum_max for share, wheel in along) / J
     a = torque / J
     return 2.0 * math.sqrt(angle / a) if angle < rate * rate / a else angle / rate + rate / a

@@ -25,7 +25,7 @@ STYLE = """
 .about + h3 { margin-top: 1rem; }
 nav ol { columns: 18rem; padding-left: 1.4rem; }
 @media print { section { break-inside: auto; } .drawing { max-width: 300px; } nav { display: none; }
-  .wide { font-size: .72rem; } .wide th, .wide td { padding-right: .4rem; }
+  .about { font-size: .72rem; } .wide { font-size: .72rem; } .wide th, .wide td { padding-right: .4rem; }
   .wide td:nth-last-child(-n+2) { min-width: 6rem; } }
 """
 NAME = "review.html"

@@ -79,3 +79,15 @@ def test_the_station_stands_beside_the_ground_track_when_the_satellite_passes(fa
     there = [math.cos(north) * math.cos(turned), math.cos(north) * math.sin(turned), math.sin(north)]
     r, _ = p.orbit.position_velocity(t)
     assert math.degrees(math.acos(there @ r / np.linalg.norm(r))) == pytest.approx(5.0, abs=0.25)
+
+
+def test_the_least_time_of_a_slew_is_that_of_its_torque_and_momentum(facts, four_wheels):
+    """Four wheels 35 deg above the plane of x and y: 4 sin 35 deg of one about z, 4 cos 35 deg/sqrt 2 about x."""
+    found = of.facts(four_wheels, None)
+    J = np.diag(found.satellite.p.J_B)
+    for axis, share in ((0, 4 * math.cos(math.radians(35)) / math.sqrt(2)), (2, 4 * math.sin(math.radians(35)))):
+        a, rate = share * 0.3e-3 / J[axis], share * 2e-3 / J[axis]
+        assert manoeuvres.least_time(found, axis, 0.01) == pytest.approx(2 * math.sqrt(0.01 / a), rel=1e-6)
+        assert manoeuvres.least_time(found, axis, 6.0) == pytest.approx(6.0 / rate + rate / a, rel=1e-6)
+    along, across = (manoeuvres.least_time(facts, axis, 1.0) for axis in (0, 1))
+    assert along < 0.5 * across, "the wheel lies along x, and only rods turn the body about y"
