@@ -84,6 +84,9 @@ def _fit(prepared: Prepared, name: str, entry: BlockEntry, interface: Interface,
 
     errors = [where(finding) for finding in fitted.errors if not unfed(finding)]
     errors += _starts_without(prepared, name, entry, fitted, fmu)
+    if mapping is None and any(finding.topic == "missing" for finding in fitted.errors):
+        remedy = f"a mapping, as 'orchestrate check {shown(fmu.path)} --as {interface.name} --suggest' proposes one"
+        errors.append(scenario.error(("blocks", name, "fmu"), "its ports have other names than ours", remedy=remedy))
     if errors:
         raise InputError(*errors)
     prepared.fits[name] = fitted

@@ -136,6 +136,14 @@ def test_the_folder_plays_the_record_without_python(loop: Path, tmp_path: Path):
     path = os.pathsep.join(part for part in os.environ["PATH"].split(os.pathsep) if "venv" not in part)
     done = subprocess.run(["make"], cwd=moved, capture_output=True, text=True, env={"PATH": path}, check=False)
     assert done.stdout.splitlines()[-1].endswith("all answers as recorded"), done.stdout + done.stderr
+    other = tmp_path / "elsewhere" / "regulator.fmu"
+    other.parent.mkdir()
+    fmus.write(other, fmus.description("regulator"), fmus.library("probe", "-DDIRECT(x)=((x)[3]*(x)[2]*1.5)"))
+    os.utime(other, (0, 0))  # older than what was unpacked before
+    done = subprocess.run(
+        ["make", f"FMU={other}"], cwd=moved, capture_output=True, text=True, env={"PATH": path}, check=False
+    )
+    assert "voltage is" in done.stdout, done.stdout + done.stderr
 
 
 def test_what_cannot_be_recorded_or_played_is_refused(loop: Path):
