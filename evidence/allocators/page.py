@@ -73,25 +73,10 @@ def text(done: Mapping[str, Flown]) -> str:
         header="|".join(["", "allocator", *COLUMNS]),
         mass=rows(done, "a"),
         si=markdown.finite(np.concatenate([done[f"{w} {name} c"].settled for w in SCENARIOS for name in ALLOCATORS])),
-        weights_header="|".join(["`wheel_weight`", *(f"{w}: {h}" for w in SCENARIOS for h in _OF_WEIGHTS)]),
-        weights=_weights(done, start["wheel_weight"]),
-        best=f"{max(WEIGHTS, key=lambda w: sum(f.kept.sum() for f in _of_weight(done, w))):g}",
+        weights=", ".join(f"{_kept(done, w)} with {w:g}" for w in WEIGHTS),
+        best=f"{max(WEIGHTS, key=lambda w: _kept(done, w)):g}",
     )
 
 
-def _of_weight(done: Mapping[str, Flown], weight: float) -> list[Flown]:
-    return [done[f"{which} wheel_weight {weight:g}"] for which in SCENARIOS]
-
-
-def _weights(done: Mapping[str, Flown], start: float) -> list[list[str]]:
-    return [
-        [f"{w:g}" + (" (start)" if w == start else "")]
-        + [show(f) for f in _of_weight(done, w) for show in _OF_WEIGHTS.values()]
-        for w in WEIGHTS
-    ]
-
-
-_OF_WEIGHTS = {
-    "kept": lambda f: f"{int(f.kept.sum())}",
-    "largest wheel momentum in the hold, median": lambda f: f"{1e3 * np.median(f.wheel_later):.2f}",
-}
+def _kept(done: Mapping[str, Flown], weight: float) -> int:
+    return sum(int(done[f"{which} wheel_weight {weight:g}"].kept.sum()) for which in SCENARIOS)

@@ -43,8 +43,7 @@ COMMANDS = ("plant.dipole_cmd", "plant.wheel_torque_cmd")
 TOLD = ("plant.dipole_cmd", "allocator.wheel_torque_cmd")
 """The controller is told of the wheel's pulses: else they move its estimate of friction, which has a limit at 0."""
 STATE = ("plant.R_NB", "plant.omega_B", "plant.h_w")
-GAINS = ("plant.J_B", "controller.K0", "controller.L0", "plant.rod_gain")
-"""Parameters on which the multipliers of the equilibria depend."""
+
 VB, USUAL, PLANNED = "V.B, paper's law", "usual law, four wheels", "planned, one wheel"
 FOUR, THREE = "planned, four wheels", "planned, three wheels"
 AT_FIRST = "pointing below 1.5 deg from the start"
@@ -206,8 +205,7 @@ class Peak:
 
 
 def equilibrium(turn: tuple[int, ...]) -> list[dict[str, Any]]:
-    """Returns the rates, 1/s, of the multipliers of the paper's law where R_LVLH^T R = diag(turn), without drag, and
-    how the largest depends on parameters."""
+    """Returns the rates, 1/s, of the multipliers of the paper's law where R_LVLH^T R = diag(turn), without drag."""
     values: dict[str, Any] = {"plant.Q0": np.diag(turn).tolist(), "plant.omega_B0": [0.0, -RATE * turn[1], 0.0]}
     values |= {"plant.drag": False, "plant.argument_of_latitude": 0.0}
     with Session(open_scenario(load(ROOT / "scenarios" / "paper_no_singularity.yaml", values))) as session:
@@ -215,16 +213,9 @@ def equilibrium(turn: tuple[int, ...]) -> list[dict[str, Any]]:
         rig = Rig(session, site(plan, COMMANDS), 0)
         size = np.array([6e-5, 6e-5, 6e-5, 1e-7] if turn == (-1, -1, 1) else [2e-4, 2e-4, 2e-4, 1e-8])
 
-        def rates(starts: Starts = None) -> tuple[list[float], float, float]:
-            found = orbit(rig, coordinates(plan, STATE), round(10.0 / rig.period), size, 100, starts, more=12)
-            return [log.real / found.period for log in found.logs], found.rest, found.period
-
-        nominal, rest, period = rates()
-        slopes = {
-            name: Slope.of(rig, name, largest(nominal), lambda starts: largest(rates(starts)[0])) for name in GAINS
-        }
-    parts = {name: [slope.value, slope.apart] for name, slope in slopes.items()}
-    return [{"turn": list(turn), "rates": nominal, "rest": rest, "seconds": period, "slopes": parts}]
+        found = orbit(rig, coordinates(plan, STATE), round(10.0 / rig.period), size, 100, None, more=12)
+    rates = [log.real / found.period for log in found.logs]
+    return [{"turn": list(turn), "rates": rates, "rest": found.rest, "seconds": found.period}]
 
 
 def largest(rates: Iterable[float]) -> float:

@@ -13,7 +13,7 @@ from typing import Any
 from .. import plots
 from ..markdown import render
 from ..paper import ORBIT, ROOT
-from .cases import CASES, FOUR, GAINS, PLACES, PLANNED, THREE, USUAL, VB, largest
+from .cases import CASES, FOUR, PLACES, PLANNED, THREE, USUAL, VB, largest
 from .make import KEPT
 
 PAGE = ROOT / "docs" / "evidence" / "margins.md"
@@ -61,7 +61,6 @@ def fields(kept: dict[str, Any]) -> dict[str, Any]:
             [one["parameter"], f"{one['slope']:+.2g}%", f"{0.5 * one['apart']:.1g}%"]
             for one in kept.get("sensitivity", [])
         ],
-        "slopes": [_slopes(one) for one in kept["equilibria"] if "slopes" in one],
         "delays": [_delay(name, *both, kept["delays"]) for name, both in losses(kept["delays"]).items()],
         "losses": losses(kept["delays"]),
     }
@@ -149,11 +148,6 @@ def _change(one: dict[str, Any], rows: list[dict[str, Any]]) -> list[str]:
         said = f"{margin[one['name']]:.4g}" if known else "any" if one["name"] == "gain" else "none"
     lost = f"not lost to {one['end']:g}" if one["lost"] is None else f"{one['lost']:.4g}"
     return [one["case"], one["name"], f"{one['holds']:.4g}", lost, said]
-
-
-def _slopes(one: dict[str, Any]) -> list[str]:
-    """How the largest rate depends on parameters, 1/s for a relative change of one."""
-    return [ABOUT[tuple(one["turn"])], *(f"{one['slopes'][name][0]:+.4f}" for name in GAINS)]
 
 
 def _equilibrium(one: dict[str, Any]) -> list[str]:

@@ -48,8 +48,11 @@ def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long]) ->
         ],
         named=sum(f.others for f in flown),
         rows=[row for name in WHEELS for row in _rows(flown, name)],
-        failed=[row for name in WHEELS for row in _failed(flown, name)],
-        slews=[row for name in WHEELS for row in _slews(slews, name)],
+        failed=list(_failed(flown)),
+        failed_head="|".join(["failed", *(f"{name}: settled|worst, s|hold rms, worst" for name in WHEELS)]),
+        found=_found([f for f in flown if CONDITIONS[f.condition].lost and f.condition != "all dead"]),
+        slews=[_slews(slews, name) for name in WHEELS],
+        angles="|".join(f"{angle}°" for angle in ANGLES),
         slews_within=f"{sum(one.ratio <= WITHIN for one in slews):,} of {len(slews):,}",
         long=[
             (one.flight, one.satellite, degrees(one.rms), degrees(one.largest), f"{one.wheel_share:.2f}")
@@ -91,32 +94,33 @@ def _alone(flown: Sequence[Flown]) -> list[str]:
 
 def _rows(flown: Sequence[Flown], satellite: str) -> list[list[str]]:
     rows = []
-    for text, those in _kinds(flown, satellite, failed=False):
+    for name, condition in CONDITIONS.items():
+        those = [f for f in flown if (f.satellite, f.condition) == (satellite, name)]
+        if not those or condition.lost:
+            continue
         settled = [f for f in those if f.settled]
         steep = [f for f in those if f.inclination >= 30.0]
         share = f"{max(x.wheel_share for x in settled):.2f}" if settled else "–"
-        rows.append([satellite, text, _count(those), _count(steep), *_times(those), *_holds(settled), share])
+        rows.append([satellite, condition.text, _count(those), _count(steep), *_times(those), *_holds(settled), share])
     return rows
 
 
-def _failed(flown: Sequence[Flown], satellite: str) -> list[list[str]]:
-    rows = []
-    for text, those in _kinds(flown, satellite, failed=True):
-        if those[0].condition == "all dead":  # has a table of its own
-            continue
-        found = [f.found for f in those if math.isfinite(f.found)]
-        when = [f"{f(found):,.0f}" if found else "–" for f in (_median, max)]
-        told = [f"{len(found)} of {len(those)}", *when, str(sum(f.others for f in those))]
-        rows.append([satellite, text, _count(those), *_times(those), *_holds([f for f in those if f.settled]), *told])
-    return rows
-
-
-def _kinds(flown: Sequence[Flown], satellite: str, failed: bool) -> Iterator[tuple[str, list[Flown]]]:
-    """The flights of each condition that there are, by its text."""
+def _failed(flown: Sequence[Flown]) -> Iterator[list[str]]:
+    """A row for each failure but that of all wheels, which has a table of its own; a dash where none flew."""
     for name, condition in CONDITIONS.items():
-        those = [f for f in flown if (f.satellite, f.condition) == (satellite, name)]
-        if those and (condition.lost > 0) == failed:
-            yield condition.text, those
+        if condition.lost and name != "all dead":
+            row = [condition.text]
+            for satellite in WHEELS:
+                those = [f for f in flown if (f.satellite, f.condition) == (satellite, name)]
+                row += [_count(those), _times(those)[1], _holds([f for f in those if f.settled])[1]] if those else "–––"
+            yield row
+
+
+def _found(flown: Sequence[Flown]) -> str:
+    """In how many flights the allocator reported what failed, and when at the median and at worst."""
+    known = [f.found for f in flown if math.isfinite(f.found)]
+    when = f", after {_median(known):,.0f} s at the median and {max(known):,.0f} s at worst" if known else ""
+    return f"{len(known)} of {len(flown)} flights{when}"
 
 
 def _times(those: Sequence[Flown]) -> list[str]:
@@ -127,13 +131,14 @@ def _holds(settled: Sequence[Flown]) -> list[str]:
     return [degrees(f(x.hold_rms for x in settled)) if settled else "–" for f in (_median, max)]
 
 
-def _slews(slews: Sequence[Slew], satellite: str) -> Iterator[list[str]]:
-    for angle in ANGLES:
-        ratios = [one.ratio for one in slews if (one.satellite, one.angle) == (satellite, angle)]
-        if ratios:
-            within = f"{sum(ratio <= WITHIN for ratio in ratios)} of {len(ratios)}"
-            worst = f"{max(ratios):.2f}".replace("inf", "–")
-            yield [satellite, str(len(WHEELS[satellite])), f"{angle}°", within, f"{_median(ratios):.2f}", worst]
+def _slews(slews: Sequence[Slew], satellite: str) -> list[str]:
+    ratios = {
+        angle: [one.ratio for one in slews if (one.satellite, one.angle) == (satellite, angle)] for angle in ANGLES
+    }
+    every = [ratio for those in ratios.values() for ratio in those]
+    within = f"{sum(ratio <= WITHIN for ratio in every)} of {len(every)}"
+    medians = [f"{_median(those):.2f}" if those else "–" for those in ratios.values()]
+    return [satellite, within, *medians, f"{max(every, default=math.nan):.2f}".replace("inf", "–")]
 
 
 def _median(values: Any) -> float:
