@@ -20,7 +20,7 @@ from orchestration.margins.inject import Altered, Rig
 from orchestration.margins.measure import measure
 from orchestration.margins.periods import LEAD, follow
 from orchestration.margins.report import Found
-from orchestration.margins.search import Change, Slope, Starts, expectations_are_met, lost, pulse_dies_out
+from orchestration.margins.search import Change, expectations_are_met, lost, pulse_dies_out
 from orchestration.margins.site import site
 from orchestration.session.open import open_scenario
 from orchestration.session.session import Session
@@ -151,19 +151,6 @@ def along_orbit(name: str) -> list[dict[str, Any]]:
         orbits.fly(np.zeros((TURN, len(rig.site.channels))), observers=[peak], nodes=[peak.node])
         rows = [{**row, "flown": math.degrees(peak.largest)} for row in rows]
     return [{**row, "seconds": (time.process_time() - began) / len(rows)} for row in rows]
-
-
-def sensitive(parameter: str) -> list[dict[str, Any]]:
-    """Returns how what is left of a disturbance of the planned hold after an orbit depends on a parameter."""
-    session, rig = opened(CASES[PLANNED], 0)
-    with session:
-        seen = coordinates(session.opened.plan, STATE)
-
-        def log(starts: Starts) -> float:
-            return math.log(follow(rig, seen, TURN, 2, PIECE, starts=starts, pulses=2, sizes=(1e-5,)).decay)
-
-        slope = Slope.of(rig, parameter, log(None), log)
-    return [{"parameter": parameter, "slope": slope.value, "apart": slope.apart}]
 
 
 def searched(name: str, text: str) -> list[dict[str, Any]]:

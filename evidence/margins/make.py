@@ -1,4 +1,4 @@
-"""Measures all that docs/evidence/margins.md shows: margins along the orbit, equilibria, sensitivities, delays, and the
+"""Measures all that docs/evidence/margins.md shows: margins along the orbit, equilibria, delays, and the
 changes that lose a hold. What docs/evidence/margins.json has of the same inputs is not flown again.
 
 Tests: tests/evidence/margins/test_make.py.
@@ -22,7 +22,7 @@ from orchestration.fmu.archive import Fmu
 from orchestration.session.open import open_scenario
 
 from ..paper import ROOT
-from .cases import CASES, PLACES, PLANNED, VB, along_orbit, at_place, delayed, equilibrium, searched, sensitive
+from .cases import CASES, PLACES, PLANNED, VB, along_orbit, at_place, delayed, equilibrium, searched
 
 KEPT = ROOT / "docs" / "evidence" / "margins.json"
 WATCH, IDENTIFY = "controller.find_failures", "controller.identify"
@@ -37,8 +37,6 @@ CHANGES = {
     VB: ("delay=0..20", "gain=1..400", "gain=1..0.02", "plant.J_B=1..30", "plant.rod_gain=1..0.05"),
     PLANNED: ("sensors.attitude_noise=1..3000", "plant.J_B=1..4", "plant.rod_gain=1..0.01"),
 }
-PARAMETERS = ("plant.rod_gain", "plant.J_B")
-"""Those of the planned hold on which its decay per orbit depends."""
 _GENERATED = "block.h", "table.c"
 """They have the FMU's identity, and its variables for FMI."""
 
@@ -101,8 +99,7 @@ def jobs() -> list[Job]:
     ]
     made += [Job("equilibria", VB, equilibrium, (turn,)) for turn in TURNS]
     made += [Job("changes", hold, searched, (hold, text)) for hold, texts in CHANGES.items() for text in texts]
-    made += [Job("places", name, along_orbit, (name,)) for name, case in CASES.items() if case.followed]
-    return [*made, *(Job("sensitivity", PLANNED, sensitive, (name,)) for name in PARAMETERS)]
+    return made + [Job("places", name, along_orbit, (name,)) for name, case in CASES.items() if case.followed]
 
 
 def make(processes: int, cases: Sequence[str] = (), anew: bool = False) -> None:

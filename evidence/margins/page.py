@@ -57,10 +57,6 @@ def fields(kept: dict[str, Any]) -> dict[str, Any]:
         "sets": [row for name in (THREE, FOUR) for row in of[name] if "disk" in row],
         "loss": next(one for one in kept["changes"] if (one["case"], one["name"]) == (VB, "delay")),
         "changes": [_change(one, of[VB]) for one in kept["changes"]],
-        "sensitivity": [
-            [one["parameter"], f"{one['slope']:+.2g}%", f"{0.5 * one['apart']:.1g}%"]
-            for one in kept.get("sensitivity", [])
-        ],
         "delays": [_delay(name, *both, kept["delays"]) for name, both in losses(kept["delays"]).items()],
         "losses": losses(kept["delays"]),
     }

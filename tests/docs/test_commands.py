@@ -25,8 +25,6 @@ NOT_RUN = {
     "pip install -e '.[campaign]'": "installs the environment that this test runs in",
     "orchestrate scenarios/mission_day.yaml --figures": "takes half a minute; the command above it is of the same kind",
     "pip install casadi": "installs the environment that this test runs in",
-    "orchestrate campaign scenarios/campaigns/failed_rods.yaml": "takes minutes; campaigns.md has a smaller one",
-    "orchestrate campaign scenarios/campaigns/stuck_wheel.yaml": "takes minutes; campaigns.md has a smaller one",
     "python -m evidence estimator": "takes half a minute, needs ahrs and writes figures into docs/",
     "python -m evidence health --cases 50": "takes hours and writes docs/evidence/estimation.md",
     "python -m evidence optimum --cases 50": "takes minutes, needs casadi and writes docs/evidence/optimum.md",
