@@ -74,7 +74,7 @@ def data(facts: Facts) -> Section:
     sensors = [
         [name, as_in_sheets(values, _unit(name))]
         for name, values in sorted(facts.starts.get("plant_sensors", {}).items())
-        if values.any()
+        if values.any() and (studies.aboard(facts, "star tracker") or not name.startswith("attitude_"))
     ]
     tables = [
         Table("Data of the satellite", ["", "value"], [list(row) for row in shown]),

@@ -178,7 +178,7 @@ def _by_contributor(facts: Facts, options: Options, kind: str, by_case: Mapping[
         mean, spread = budget.difference(whole, without, options.confidence)
         if math.isnan(spread):
             return _deg(mean)
-        return f"{_deg(mean)} ± {_deg(spread)}" if abs(mean) > spread else "not distinguishable"
+        return f"{_deg(mean)} ± {_deg(spread)}" if abs(mean) > spread else f"not distinguishable: ± {_deg(spread)}"
 
     shown = ("absolute", "relative")
     rows = []
@@ -200,8 +200,8 @@ def _by_contributor(facts: Facts, options: Options, kind: str, by_case: Mapping[
         rows,
         f"Alone: mixed statistics of {count} flights. Less without it: mean over the same {count} flights of what each "
         f"has less, with its interval at {100.0 * options.confidence:.4g}% by Student's t; not distinguishable: zero "
-        "lies in the interval. A sum above the value of all together is a budget on the safe side; one below it says "
-        "that the errors act together, and that the loop is not linear in them.",
+        "lies in an interval of this half width. A sum above the value of all together is a budget on the safe side; "
+        "one below it says that the errors act together, and that the loop is not linear in them.",
     )
 
 
