@@ -129,6 +129,9 @@ def _left(found: Facts) -> Section:
     missing = [name for name in studies.CONTRIBUTORS if name not in errors and studies.aboard(found, name)]
     if missing:
         notes.append(f"Errors that the file does not state, and that are taken as zero: {', '.join(missing)}.")
+    true, law = f"{found.plant}.h_w", found.blocks.get(found.controller)
+    if any(str(c.source).startswith(true) and c.target.block == law for c in found.scenario.connections):
+        notes.append("Telemetry of the wheels: the controller is given their true momenta.")
     if not math.isfinite(found.satellite.goal or math.inf):
         notes.append("The scenario states no goal of the hold: 5 deg were taken.")
     return Section("What was not looked at", notes=notes)

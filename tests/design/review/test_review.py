@@ -114,6 +114,13 @@ def test_what_is_drawn_on_a_logarithmic_axis_leaves_out_what_is_next_to_nothing(
     assert page._shown([0.0, 2.0], False).tolist() == [0.0, 2.0]
 
 
+def test_what_was_not_looked_at_names_no_sensor_that_is_not_there_and_momenta_without_telemetry(facts, four_wheels):
+    of_one, of_four = (" ".join(run._left(found).notes) for found in (facts, of.facts(four_wheels, None)))
+    assert "star tracker" not in of_one
+    assert "true momenta" not in of_one
+    assert "true momenta" in of_four
+
+
 def test_wheels_have_margins_in_each_channel_and_a_planned_controller_what_is_left_of_disturbances(facts, four_wheels):
     four = of.facts(four_wheels, None)
     table = margins.section(four, read(four_wheels)).tables[0]
