@@ -143,10 +143,7 @@ def flight(jobs: int, cases: int, page: bool) -> None:
     "--runs", default=200, show_default=True, type=click.IntRange(2, 10000), help="Tumbles for the consistency."
 )
 def estimator(jobs: int, runs: int) -> None:
-    """The tables of docs/evidence/estimation.md, and its figures; a minute and a half of a core.
-
-    Needs the package ahrs (pip install '.[measures]').
-    """
+    """The tables of docs/evidence/estimation.md, and its figures; a minute and a half of a core."""
     for shown in estimates.make(runs, jobs):
         Console().print(shown)
 
@@ -221,17 +218,6 @@ def bank(jobs: int, runs: int) -> None:
     What is flown is kept in results/bank.
     """
     Console(width=160).print(estimator_bank.table(runs, jobs))
-
-
-@main.command("flight-case")
-@click.argument("group")
-@click.argument("run", type=int)
-def flight_case(group: str, run: int) -> None:
-    """Fly one case of docs/evidence/flight.md, such as nominal 17, and write its scenario."""
-    flown = flights.fly_case(group, run)
-    for name, value in flown.metrics.items():
-        say(f"{name:14} {value}")
-    say(f"written: {flown.file}")
 
 
 @main.command()

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from rich.table import Table
 
-from orchestration import InputError, Result, run
+from orchestration import Result, run
 
 from ..crew import crew
 from ..paper import ROOT, Array
 from ..plots import BLUE, GREEN, RED, name_axes, panels, save
-from . import consistency, public, steady
+from . import consistency, steady
 
 SCENARIOS = {"flight_estimated": "magnetometer, sun sensors, gyro", "flight_star_tracker": "with a star tracker"}
 HOLD = 2500.0
@@ -22,9 +21,7 @@ HOLD = 2500.0
 
 
 def make(runs: int, jobs: int, folder: Path = ROOT / "docs" / "figures") -> list[Table]:
-    """The tables; the figures go to the folder. Raises InputError where the package ahrs is missing."""
-    if find_spec("ahrs") is None:
-        raise InputError("the package ahrs is not installed; remedy: pip install '.[measures]'")
+    """The tables; the figures go to the folder."""
     with crew(jobs) as hands:
         flown = {
             tracker: hands.each(name, consistency.measured, [(i, tracker) for i in range(runs)])
@@ -33,7 +30,7 @@ def make(runs: int, jobs: int, folder: Path = ROOT / "docs" / "figures") -> list
     flights = {name: run(ROOT / "scenarios" / f"{name}.yaml") for name in SCENARIOS}
     drawn = {f"estimation-{name[7:].replace('_', '-')}": errors(result) for name, result in flights.items()}
     save({"estimation-consistency": consistent(flown), **drawn}, folder)
-    return [*map(_consistency, flown.values(), flown), _starts(flown[False]), _steady(), _public(), _holds(flights)]
+    return [*map(_consistency, flown.values(), flown), _starts(flown[False]), _steady(), _holds(flights)]
 
 
 def _table(title: str, *columns: str) -> Table:
@@ -74,14 +71,6 @@ def _steady() -> Table:
         apart = max(abs(b / a - 1.0) for a, b in zip(form, found, strict=True))
         cells = [", ".join(f"{np.degrees(x) * 3600.0:.3f}" for x in pair) for pair in (form, found)]
         table.add_row(", ".join(f"{x:g}" for x in case), *cells, f"{apart:.0e}")
-    return table
-
-
-def _public() -> Table:
-    found = public.compared()
-    table = _table("beside the EKF of ahrs", "", "rms of the last half, deg")
-    for name, values in found.items():
-        table.add_row(name, f"{np.degrees(np.sqrt(np.mean(values[len(values) // 2 :] ** 2))):.4f}")
     return table
 
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from orchestration import InputError, Result, run
-from orchestration.campaign.replay import Replayed, replay
-from orchestration.errors import hint
+from orchestration import Result, run
 
 from ..crew import crew
 from ..paper import FOLDER as STUDIES
@@ -51,12 +49,3 @@ def shown(scenario: str, *signals: str) -> Result:
     errors = ("judge.attitude_error", "judge.rate_error_B", "plant.h_w")
     data["record"] = {"interval": 10.0 if scenario == "hold" else 1.0, "signals": [*errors, *signals]}
     return run(data)
-
-
-def fly_case(name: str, index: int) -> Replayed:
-    """Flies one run of a group again, and writes its scenario. Raises InputError for one that is not there."""
-    groups = {group.name: group for group in all_groups(1000)}
-    if name not in groups:
-        raise InputError(f"{name}: there is no such group{hint(name, groups)}; there are: {', '.join(groups)}")
-    wanted = groups[name].case
-    return replay(wanted, index, FOLDER / f"{wanted.campaign.name}-{index}")

@@ -67,13 +67,6 @@ def hold_ends(time: Any, signals: Signals) -> float:
     return float(time[ends[-1]]) if len(ends) and len(ends) == len(begins) else np.inf
 
 
-def hold_longest(time: Any, signals: Signals) -> float:
-    """The longest hold, s; one that does not end lasts to the last sample."""
-    begins, ends = _holds(signals)
-    lasts = time[ends if len(ends) == len(begins) else np.append(ends, len(time) - 1)] - time[begins]
-    return float(max(lasts, default=0.0))
-
-
 def held_command(time: Any, signals: Signals) -> float:
     """Least norm of the dipoles that are held in the first hold, A m2."""
     return float(min(np.linalg.norm(signals[COMMAND][_first(signals)], axis=1), default=np.inf))

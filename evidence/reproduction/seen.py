@@ -38,7 +38,6 @@ class Seen:
     """When the first hold begins."""
     hold_ends: Array
     """When the last hold ends; NaN where it does not."""
-    hold_longest: Array
     holds: Array
     """How many there are."""
     held_command: Array
@@ -68,7 +67,7 @@ _METRICS: dict[str, dict[str, Any]] = {
 }
 _FUNCTIONS = {
     "allocator.b_wheel": ("b_wheel", "crossings", "crossed"),
-    HOLDING: ("held", "hold_ends", "hold_longest", "holds"),
+    HOLDING: ("held", "hold_ends", "holds"),
     f"{HOLDING} {COMMAND}": ("held_command",),
     f"{HOLDING} {COMMAND} allocator.wheel_torque_cmd": ("held_at_zero",),
     f"{HOLDING} {UNHELD}": ("held_demand",),

@@ -16,7 +16,7 @@ from ..flight.cases import HOLD
 from ..health.stuck_on import INTERVAL, held, least_angle
 from ..paper import Array
 from ..satellites.classes import CLASSES
-from .bound import fullest_wheel, plants
+from .bound import plants
 from .cases import CONDITIONS, DURATION, ORBIT, Flights
 
 FILE = "wheels.csv"
@@ -43,9 +43,6 @@ class Flown:
     """When the last of the wheels that fail was found, s."""
     others: int
     """Wheels that do not fail and were reported."""
-    fill: float
-    """Of a healthy tumble that does not settle: what the fullest wheel needs at least in the last two orbits, of its
-    limit (bound.py)."""
     least_angle: float
     """Of rods alone: the least largest angle of an orbit and a half from the hold's begin on that any use of them
     allows, deg (evidence/health/stuck_on.py)."""
@@ -66,10 +63,9 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
     five, one = until("angle_5"), until("angle_1")
     drawn = flights.drawn(max(rows.index.tolist()) + 1)
     wheel, lost = rows.numbers("wheel"), CONDITIONS[flights.condition].lost
-    rods_alone, unsettled = lost == flights.wheels, lost == 0 and not np.isfinite(five).all()
-    of_runs = plants(flights, len(drawn)) if rods_alone or unsettled else []
+    rods_alone = lost == flights.wheels
+    of_runs = plants(flights, len(drawn)) if rods_alone else []
     for i, run in enumerate(rows.index.tolist()):
-        lost_hold = lost == 0 and not math.isfinite(five[i])
         yield Flown(  # settled within the last HOLD counts as never
             flights.satellite,
             flights.condition,
@@ -83,7 +79,6 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
             value["wheel_max"][i] / CLASSES[flights.satellite].wheel_momentum_max,
             math.nan if run >= len(bounds) or bounds[run] is None else float(bounds[run] or 0.0),
             *found_in([value[f"found_{k}"][i] for k in range(4)], int(wheel[i]), lost, flights.wheels),
-            fullest_wheel(of_runs[run], DURATION - 2.0 * ORBIT, DURATION) if lost_hold else math.nan,
             _by_rods(of_runs[run]) if rods_alone else math.nan,
         )
 

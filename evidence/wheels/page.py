@@ -41,11 +41,6 @@ def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long]) ->
             if f.condition == "all dead"
         ],
         others=_count([f for f in flown if f.condition in ("one weak", "one reversed", "one stuck", "one drags")]),
-        lost=[
-            (f.satellite, CONDITIONS[f.condition].text, str(f.run), f"{f.inclination:.0f}°", f"{f.fill:.2f}")
-            for f in healthy
-            if not f.settled
-        ],
         named=sum(f.others for f in flown),
         rows=[row for name in WHEELS for row in _rows(flown, name)],
         failed=list(_failed(flown)),

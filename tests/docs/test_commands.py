@@ -25,7 +25,7 @@ NOT_RUN = {
     "pip install -e '.[campaign]'": "installs the environment that this test runs in",
     "orchestrate scenarios/mission_day.yaml --figures": "takes half a minute; the command above it is of the same kind",
     "pip install casadi": "installs the environment that this test runs in",
-    "python -m evidence estimator": "takes half a minute, needs ahrs and writes figures into docs/",
+    "python -m evidence estimator": "takes half a minute and writes figures into docs/",
     "python -m evidence health --cases 50": "takes hours and writes docs/evidence/estimation.md",
     "python -m evidence optimum --cases 50": "takes minutes, needs casadi and writes docs/evidence/optimum.md",
     "python -m evidence rival --cases 50": "takes minutes; tests/evidence/flight/test_rival.py flies one",

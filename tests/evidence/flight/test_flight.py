@@ -6,10 +6,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from scipy.spatial.transform import Rotation
 
-from evidence.__main__ import main
 from evidence.crew import crew
 from evidence.flight import cases, kept, schemes
 from evidence.flight.figures import errors
@@ -206,20 +204,3 @@ def test_a_study_goes_on_where_it_was_and_flies_anew_what_other_values_decide(tm
 def test_calls_of_a_crew_come_back_in_their_order():
     with crew(0) as hands:
         assert hands.each("squares", lambda x: x * x, [3, 1, 2]) == [9, 1, 4]
-
-
-def test_a_run_can_be_flown_again_from_its_file(tmp_path, monkeypatch):
-    monkeypatch.setattr("evidence.flight.make.FOLDER", tmp_path)
-    monkeypatch.setattr(
-        "evidence.flight.make.all_groups", lambda n: [replace(cases.pairings()[3], duration=60.0, early=5.0)]
-    )
-    done = CliRunner().invoke(main, ["flight-case", "controller + allocator", "0"])
-    assert done.exit_code == 0, done.output
-    [file] = tmp_path.glob("*/scenario.yaml")
-    assert run(file, {"duration": 10.0}).time[-1] == pytest.approx(10.0)
-
-
-def test_a_group_that_is_not_there_is_told_with_those_that_are():
-    done = CliRunner().invoke(main, ["flight-case", "nominall", "3"])
-    assert done.exit_code == 2
-    assert "nominall: there is no such group; did you mean 'nominal'?" in done.stderr

@@ -46,7 +46,6 @@ def test_the_figures_of_a_swept_run_are_those_of_the_blocks_own_signals(alone, t
     expected = {
         "held": 0.1 * held[0],
         "hold_ends": 0.1 * (held[-1] + 1),
-        "hold_longest": 0.1 * len(held),
         "holds": 1.0,
         "held_at_zero": 0.0,
         "held_command": float(np.linalg.norm(samples[held[0]][2].dipole_cmd)),
@@ -108,7 +107,6 @@ def test_holds_are_counted_and_the_last_may_last_to_the_end():
     assert of("holds", time, holding=holding) == 2.0
     assert of("held_command", time, holding=holding, dipole_cmd=command) == 2.0
     assert of("held_demand", time, holding=holding, unheld_dipole_cmd=-10 * command) == 40.0
-    assert of("hold_longest", time, holding=holding) == pytest.approx(0.2)
     assert of("hold_ends", time, holding=holding) == math.inf
     zero = [1, 1, 0, 0, 0, 0, 0, 0]
     quiet = {"dipole_cmd": np.zeros((8, 3)), "wheel_torque_cmd": np.zeros(8)}
@@ -121,27 +119,9 @@ def test_holds_are_counted_and_the_last_may_last_to_the_end():
 
 def test_without_a_hold_none_begins_ends_or_demands():
     time, never = 0.1 * np.arange(8), np.zeros(8)
-    assert [of(name, time, holding=never) for name in ("held", "hold_ends", "holds", "hold_longest")] == [
-        math.inf,
-        math.inf,
-        0.0,
-        0.0,
-    ]
+    assert [of(name, time, holding=never) for name in ("held", "hold_ends", "holds")] == [math.inf, math.inf, 0.0]
     assert of("held_command", time, holding=never, dipole_cmd=np.ones((8, 3))) == math.inf
     assert of("held_demand", time, holding=never, unheld_dipole_cmd=np.ones((8, 3))) == 0.0
-
-
-@pytest.mark.parametrize(
-    ("holding", "longest"),
-    [
-        ([0, 1, 0, 1, 1, 1, 0, 1, 1, 0], 0.3),  # neither the first nor the last nor their sum
-        ([1, 1, 1, 1, 0, 1, 0, 1, 1, 0], 0.4),
-        ([0, 1, 0, 1, 1, 0, 1, 1, 1, 1], 0.3),  # latched: from 0.6 s to the last sample, at 0.9 s
-        ([0] * 10, 0.0),
-    ],
-)
-def test_the_longest_hold_is_counted_by_hand(holding, longest):
-    assert of("hold_longest", 0.1 * np.arange(10), holding=holding) == pytest.approx(longest)
 
 
 def test_a_crossing_of_zero_is_seen_through_a_sample_of_zero():

@@ -2,7 +2,6 @@
 times."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from evidence import files
 from evidence.paper import ROOT
 from evidence.satellites.classes import CLASSES
 from evidence.wheels import long, page
-from evidence.wheels.bound import fullest_wheel, of_draws, plants
+from evidence.wheels.bound import of_draws
 from evidence.wheels.cases import CONDITIONS, WHEELS, Flights
 from evidence.wheels.kept import FILE, REMEDY, Flown, found_in
 from evidence.wheels.long import DAY, HOLD, Long
@@ -46,13 +45,13 @@ def test_a_tumble_that_the_wheels_hold_has_no_least_time_and_one_that_they_do_no
 
 def flown(satellite: str, condition: str, run: int, settled: float, **more: float) -> Flown:
     values = {"inclination": 50.0, "rate": 3.0, "hold_rms": 0.004, "hold_max": 0.01, "wheel_share": 0.3} | more
-    rest = {"least_time": math.nan, "found": math.nan, "others": 0, "fill": math.nan, "least_angle": math.nan}
+    rest = {"least_time": math.nan, "found": math.nan, "others": 0, "least_angle": math.nan}
     return Flown(satellite, condition, run, settled_5=settled, settled_1=settled, **rest | values)
 
 
 def test_a_flight_that_does_not_settle_counts_and_its_row_has_no_such_times():
     lines = [flown("50 kg", "nominal", 0, 100.0, least_time=80.0), flown("50 kg", "nominal", 1, 300.0)]
-    lines += [flown("50 kg", "estimated", 0, math.inf, fill=0.24), flown("50 kg", "estimated", 1, 500.0, hold_rms=0.03)]
+    lines += [flown("50 kg", "estimated", 0, math.inf), flown("50 kg", "estimated", 1, 500.0, hold_rms=0.03)]
     lines += [flown("3U", "one dead", 0, 900.0, found=20.0), flown("12U", "one dead", 0, math.inf, found=math.inf)]
     lines += [flown("3U", "all dead", 0, math.inf, hold_rms=6.0, hold_max=9.0, least_angle=5.0)]
     slews = [Slew("12U", 90, i, 20.0, settled) for i, settled in enumerate((21.0, 25.0, 25.5))]
@@ -63,7 +62,6 @@ def test_a_flight_that_does_not_settle_counts_and_its_row_has_no_such_times():
     assert "at the median 1.2, at most 1.2, of 1" in text
     assert "| a wheel dead | 1 of 1 | 900 | 0.004° | 0 of 1 | – | – | – | – | – |" in text
     assert "all wheels that failed in 1 of 2 flights, after 20 s at the median and 20 s at worst; 0 sound" in text
-    assert "| 50 kg | all errors, attitude estimated with the star tracker | 0 | 50° | 0.24 |" in text
     assert (
         "rods alone hold a 3U to 6° rms at the median, 9° at most; the least that any use of them reaches is 5°" in text
     )
@@ -110,14 +108,3 @@ def test_a_long_flight_is_judged_late_and_its_wheels_are_not_full(flight, monkey
     flown = fly_long((flight, "3U"))
     assert 0.0 < flown.rms <= flown.largest < 0.5
     assert 0.0 < flown.wheel_share < 1.0
-
-
-def test_the_fullest_wheel_grows_with_the_disturbance_in_proportion_and_is_less_where_rods_are_stronger():
-    """Along the axis of one wheel of three without rods a torque fills it alone: half of it on either side of zero."""
-    p = plants(Flights("3U", "nominal"), 1)[0]
-    at_rest = replace(p, dipole_max=1e-9, disturbance_torque_B=np.array([0.0, 1e-7, 0.0]))
-    whole = 1e-7 * 3000.0 / 2e-3
-    assert fullest_wheel(at_rest, 0.0, 3000.0) == pytest.approx(0.5 * whole, rel=1e-4)
-    twice = replace(at_rest, disturbance_torque_B=np.array([0.0, 2e-7, 0.0]))
-    assert fullest_wheel(twice, 0.0, 3000.0) == pytest.approx(whole, rel=1e-4)
-    assert fullest_wheel(replace(p, disturbance_torque_B=np.array([0.0, 1e-7, 0.0])), 0.0, 3000.0) < 0.3 * whole
