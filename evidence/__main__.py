@@ -27,6 +27,8 @@ from .failures.rows import TABLES
 from .flight import make as flights
 from .flight.rivals import compare
 from .flight_data import make as flown_records
+from .flight_data.told import of_spins
+from .flight_data.whole import spun
 from .health import make as health_flown
 from .health import stuck_on as health_stuck_on
 from .margins import cases as margins_cases
@@ -56,10 +58,14 @@ def main() -> None:
     """Studies of the loop."""
 
 
-def _jobs(command: Callable[..., Any]) -> Callable[..., Any]:
-    return click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")(
-        command
-    )
+_jobs = click.option("--jobs", default=2, show_default=True, type=click.IntRange(1, 64), help="Processes at work.")
+_page = click.option(
+    "--page", is_flag=True, help="Write page and figures from what docs/evidence keeps, without flying."
+)
+
+
+def _cases(default: int, least: int, most: int, text: str) -> Callable[..., Any]:
+    return click.option("--cases", default=default, show_default=True, type=click.IntRange(least, most), help=text)
 
 
 @main.command()
@@ -77,7 +83,7 @@ def verification() -> None:
 @main.command()
 @_jobs
 @click.option("--case", "cases", multiple=True, type=click.Choice(tuple(margins_cases.CASES)), help="Only this hold.")
-@click.option("--page", is_flag=True, help="Write page and figure from docs/evidence/margins.json, without flying.")
+@_page
 @click.option("--anew", is_flag=True, help="Fly again what is kept of the same scenarios and code.")
 def margins(jobs: int, cases: tuple[str, ...], page: bool, anew: bool) -> None:
     """Make docs/evidence/margins.md and its figure: margins along the orbit, equilibria, and what loses the hold."""
@@ -106,9 +112,7 @@ def reproduction(jobs: int) -> None:
     is_flag=True,
     help="Fly all that docs/evidence/allocators.md shows and keep it in docs/evidence/allocators.csv.",
 )
-@click.option(
-    "--page", is_flag=True, help="Write docs/evidence/allocators.md and its figure from docs/evidence/allocators.csv."
-)
+@click.option("--page", is_flag=True, help="Write page and figure from docs/evidence/allocators.csv.")
 def allocators(jobs: int, fly: bool, page: bool) -> None:
     """The paper's allocator against the bounded one, under the paper's law at 36 nodes: a minute, with --fly five."""
     if fly or not page:
@@ -122,16 +126,8 @@ def allocators(jobs: int, fly: bool, page: bool) -> None:
 
 @main.command()
 @_jobs
-@click.option(
-    "--cases",
-    default=1000,
-    show_default=True,
-    type=click.IntRange(2, 1000),
-    help="Random tumbles of each kind; fewer write to results/.",
-)
-@click.option(
-    "--page", is_flag=True, help="Write page and figures from docs/evidence/flight.csv, without flying its cases."
-)
+@_cases(1000, 2, 1000, "Random tumbles of each kind; fewer write to results/.")
+@_page
 def flight(jobs: int, cases: int, page: bool) -> None:
     """Make docs/evidence/flight.md and its figures from campaigns; one that was interrupted goes on."""
     say(f"written: {flights.publish() if page else flights.make(cases, jobs)}")
@@ -149,11 +145,9 @@ def estimator(jobs: int, runs: int) -> None:
 
 
 @main.command()
-@click.option(
-    "--cases", default=50, show_default=True, type=click.IntRange(1, 1000), help="Nominal tumbles, from run 0."
-)
+@_cases(50, 1, 1000, "Nominal tumbles, from run 0.")
 @click.option("--flown", is_flag=True, help="Fly the tumbles of docs/evidence/optimum.csv anew; their best times stay.")
-@click.option("--page", is_flag=True, help="Write page and figure from docs/evidence/optimum.csv, without searching.")
+@_page
 def optimum(cases: int, flown: bool, page: bool) -> None:
     """Search the least time of tumbles by optimal control, for docs/evidence/optimum.md: about a minute each,
     one process.
@@ -173,7 +167,7 @@ def optimum(cases: int, flown: bool, page: bool) -> None:
 
 @main.command()
 @_jobs
-@click.option("--cases", default=10, show_default=True, type=click.IntRange(2, 1000), help="Nominal tumbles.")
+@_cases(10, 2, 1000, "Nominal tumbles.")
 def rival(jobs: int, cases: int) -> None:
     """Fly a controller from the literature on tumbles of docs/evidence/flight.md beside ours, and print the table of
     docs/evidence/rival.md."""
@@ -189,7 +183,7 @@ def rival(jobs: int, cases: int) -> None:
     type=click.Path(path_type=Path, exists=True, file_okay=False),
     help="A folder of records (CSV or Parquet) and element sets (.txt); columns.yaml names other columns.",
 )
-@click.option("--cases", default=0, show_default=True, type=click.IntRange(0, 10000), help="Synthetic spins, too.")
+@_cases(0, 0, 10000, "Synthetic spins, too.")
 @click.option(
     "--page", is_flag=True, help="Write docs/evidence/flight_data.md and its figure, not results/flight_data."
 )
@@ -201,11 +195,11 @@ def flight_data(jobs: int, data: Path, cases: int, page: bool) -> None:
 
 @main.command("false-convergence")
 @_jobs
-@click.option("--cases", default=200, show_default=True, type=click.IntRange(1, 10000), help="Spins of each kind.")
+@_cases(200, 1, 10000, "Spins of each kind.")
 def false_convergence(jobs: int, cases: int) -> None:
     """Fly spins with a wrong gyro scale through the estimator: one filter, and its bank, which reports what it cannot
     tell apart."""
-    for line in flown_records.of_spins(flown_records.spun(cases, jobs)):
+    for line in of_spins(spun(cases, jobs)):
         say(line)
 
 
@@ -222,8 +216,8 @@ def bank(jobs: int, runs: int) -> None:
 
 @main.command()
 @_jobs
-@click.option("--cases", default=100, show_default=True, type=click.IntRange(1, 1000), help="Tumbles of each class.")
-@click.option("--page", is_flag=True, help="Write the page from docs/evidence/satellites.csv, without flying.")
+@_cases(100, 1, 1000, "Tumbles of each class.")
+@_page
 @click.option("--bounds", is_flag=True, help="Prove which that are not settled no controller can hold.")
 def satellites(jobs: int, cases: int, page: bool, bounds: bool) -> None:
     """Fly satellites from 1U to 500 kg by their data alone, and make docs/evidence/satellites.md.
@@ -239,7 +233,7 @@ def satellites(jobs: int, cases: int, page: bool, bounds: bool) -> None:
 
 @main.command()
 @_jobs
-@click.option("--cases", default=20, show_default=True, type=click.IntRange(2, 1000), help="Tumbles of each kind.")
+@_cases(20, 2, 1000, "Tumbles of each kind.")
 @click.option("--row", "rows", multiple=True, help="Fly the kinds whose names have this text alone; may be repeated.")
 @click.option(
     "--part",
@@ -248,7 +242,7 @@ def satellites(jobs: int, cases: int, page: bool, bounds: bool) -> None:
     type=click.Choice(["tumbles", "slews", "long"]),
     help="Slews: --cases of each angle. Long: a day at a ground station, 100 orbits of hold.",
 )
-@click.option("--page", is_flag=True, help="Write the page from the CSV files, without flying.")
+@_page
 def wheels(jobs: int, cases: int, rows: tuple[str, ...], part: str, page: bool) -> None:
     """Fly satellites with three and four wheels, and make docs/evidence/wheels.md; one that was interrupted goes on."""
     for line in () if page else wheels_flown.PARTS[part](cases, jobs, rows):
@@ -258,11 +252,11 @@ def wheels(jobs: int, cases: int, rows: tuple[str, ...], part: str, page: bool) 
 
 @main.command()
 @_jobs
-@click.option("--cases", default=10, show_default=True, type=click.IntRange(1, 1000), help="Flights of each row.")
+@_cases(10, 1, 1000, "Flights of each row.")
 @click.option(
     "--table", "tables", multiple=True, type=click.Choice(TABLES), help="Fly this table alone; may be repeated."
 )
-@click.option("--page", is_flag=True, help="Write the page from docs/evidence/failures.csv, without flying.")
+@_page
 def failures(jobs: int, cases: int, tables: tuple[str, ...], page: bool) -> None:
     """Fly tumbles with rods, sensors and wheels that fail, and make docs/evidence/failures.md; one that was
     interrupted goes on.
@@ -274,9 +268,9 @@ def failures(jobs: int, cases: int, tables: tuple[str, ...], page: bool) -> None
 
 @main.command()
 @_jobs
-@click.option("--cases", default=1, show_default=True, type=click.IntRange(1, 1000), help="Flights of each row.")
+@_cases(1, 1, 1000, "Flights of each row.")
 @click.option("--row", "rows", multiple=True, help="Fly the rows whose names have this text alone; may be repeated.")
-@click.option("--page", is_flag=True, help="Make the page from docs/evidence/health.csv, without flying.")
+@_page
 def health(jobs: int, cases: int, rows: tuple[str, ...], page: bool) -> None:
     """Fly tumbles behind the estimator in which one part fails, in the tumble or in the hold, and make
     docs/evidence/estimation.md; what was interrupted goes on.
@@ -323,9 +317,7 @@ def rules() -> None:
 
 
 @main.command()
-@click.option(
-    "--cases", default=100_000, show_default=True, type=click.IntRange(3, 10_000_000), help="Samples of each block."
-)
+@_cases(100_000, 3, 10_000_000, "Samples of each block.")
 def rounding(cases: int) -> None:
     """Bound the rounding errors of controller and allocator, measure them, and make docs/evidence/rounding.md.
 
