@@ -83,10 +83,13 @@ def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
             rows.append([f"{angle} deg", axis, *told, number(least, 4), number(1e3 * momentum), one.failure or ""])
     columns = ["slew", "about", "below 5 deg after, s", "below 1 deg after, s", "least, s"]
     columns += ["largest momentum, mN.m.s", "failed"]
-    took = f"At the median the slews take {number(float(np.median(ratios)), 2)} times it to 1 deg"
+    middle = float(np.median(ratios))
+    took = f"At the median the slews take {middle:.1f} times it to 1 deg"
+    if math.isinf(middle):
+        took = "Half of the slews do not come to 1 deg within an orbit"
     if facts.satellite.p.is_set:
         by = "the wheels' torques and momenta"
-        took += f": {'the wheels' if np.median(ratios) < LAW else 'the law, not the wheels,'} set their time"
+        took += f": {'the wheels' if middle < LAW else 'the law, not the wheels,'} set their time"
     else:
         by = "wheel and rods, the field across it at its strongest, which it seldom is"
     note = (

@@ -177,7 +177,7 @@ def _by_contributor(facts: Facts, options: Options, kind: str, by_case: Mapping[
         whole, without = ([alike[one, i][index].mixed for i in both] for one in (ALL, case))
         mean, spread = budget.difference(whole, without, options.confidence)
         if math.isnan(spread):
-            return _deg(mean)
+            return "one flight" if both else "–"
         return f"{_deg(mean)} ± {_deg(spread)}" if abs(mean) > spread else f"not distinguishable: ± {_deg(spread)}"
 
     shown = ("absolute", "relative")
@@ -198,9 +198,9 @@ def _by_contributor(facts: Facts, options: Options, kind: str, by_case: Mapping[
         f"Errors of {kind} by contributor",
         columns,
         rows,
-        f"Alone: mixed statistics of {count} flights. Less without it: mean over the same {count} flights of what each "
-        f"has less, with its interval at {100.0 * options.confidence:.4g}% by Student's t; not distinguishable: zero "
-        "lies in an interval of this half width. A sum above the value of all together is a budget on the safe side; "
+        f"Alone: mixed statistics of {count} flight{'s' * (count > 1)}. Less without it: mean over the same of what "
+        f"each has less, with its interval at {100.0 * options.confidence:.4g}% by Student's t; not distinguishable: "
+        "zero lies in an interval of this half width. A sum above the value of all together is on the safe side; "
         "one below it says that the errors act together, and that the loop is not linear in them.",
     )
 
