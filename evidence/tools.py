@@ -6,9 +6,14 @@ Tests: tests/evidence/test_tools.py.
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
 
 from orchestration import InputError
 
+A = TypeVar("A")
+B = TypeVar("B")
 PACKAGES = {
     "frama-c": "frama-c-base",
     "why3": "why3",
@@ -31,3 +36,9 @@ def tool(name: str) -> str:
             f"{name} is not installed; remedy: apt install {PACKAGES[name]}, or your system's package of it"
         )
     return path
+
+
+def side_by_side(call: Callable[[A], B], items: Iterable[A]) -> Iterator[B]:
+    """The results of calls that wait for a program, two at a time, in the order of the items."""
+    with ThreadPoolExecutor(2) as pool:
+        yield from pool.map(call, items)

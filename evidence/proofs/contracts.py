@@ -91,3 +91,4 @@ CONTRACTS = (
         "commands pass only where each is finite and within its limit",
     ),
 )
+BY_WP = tuple(name for contract in CONTRACTS for name in contract.functions)

@@ -138,11 +138,12 @@ def harness(interface: Interface, span: Range) -> str:
 
 
 def _loops(name: str, shape: tuple[int, ...], body: str) -> str:
-    """The statement for each element of an array."""
+    """The statement for each element of an array; the analysis takes each element for itself."""
+    body = body.replace("@", name + "".join(f"[{'ijk'[k]}]" for k in range(len(shape))))
     for level, n in reversed(list(enumerate(shape))):
         i = "ijk"[level]
-        body = f"for (int {i} = 0; {i} < {n}; ++{i}) {{ {body} }}"
-    return "    " + body.replace("@", name + "".join(f"[{'ijk'[k]}]" for k in range(len(shape))))
+        body = f"//@ loop unroll {n};\n    for (int {i} = 0; {i} < {n}; ++{i}) {{\n    {body}\n    }}"
+    return "    " + body
 
 
 def _filled(name: str, v: Variable, shape: tuple[int, ...], span: Range) -> str:

@@ -13,6 +13,7 @@ from orchestration.cli.console import say
 
 from .. import markdown
 from ..paper import ROOT
+from ..tools import side_by_side
 from .analysis import Alarm, Result
 from .bounds import rows as rows_of_stack
 from .contracts import CONTRACTS, Contract
@@ -22,7 +23,7 @@ from .harness import STEP_MAX, TIME_MAX
 from .kept import FOLDER, result_of
 from .loops import rows as rows_of_loops
 from .rules import deviations
-from .subjects import HERE, SUBJECTS, UNFINISHED, Subject
+from .subjects import HERE, SUBJECTS, Subject
 
 FLIGHT = (
     "allocator",
@@ -63,16 +64,14 @@ def unproved(alarms: Iterable[Alarm], given: Sequence[Argument]) -> list[Alarm]:
 
 
 def prove(names: Sequence[str]) -> list[tuple[Subject, Result]]:
-    """Analyses all subjects, or those of these names, unfinished ones too, and says what each came to.
+    """Analyses all subjects, or those of these names, and says what each came to.
 
     Raises InputError where a property is neither proved nor argued for, or an argument is for nothing.
     """
-    given = arguments()
-    results, left = [], 0
-    for subject in (*SUBJECTS, *(UNFINISHED if names else ())):
-        if names and subject.name not in names:
-            continue
-        result = result_of(subject)
+    given, left = arguments(), 0
+    subjects = [subject for subject in SUBJECTS if not names or subject.name in names]
+    results = []
+    for subject, result in zip(subjects, side_by_side(result_of, subjects), strict=True):
         results.append((subject, result))
         open_ones = unproved(result.alarms, given)
         left += len(open_ones)
@@ -83,6 +82,8 @@ def prove(names: Sequence[str]) -> list[tuple[Subject, Result]]:
         )
         for alarm in open_ones:
             say(f"  {alarm}")
+    if not names:
+        followed_elsewhere(results)
     if left:
         raise InputError(f"{left} properties are neither proved nor argued for in evidence/proofs/arguments.yaml")
     met = [alarm for _, result in results for alarm in result.alarms]
@@ -91,6 +92,14 @@ def prove(names: Sequence[str]) -> list[tuple[Subject, Result]]:
             f"arguments.yaml: {idle[0].file}: {idle[0].function}: no analysis meets this; remedy: remove it"
         )
     return results
+
+
+def followed_elsewhere(results: Sequence[tuple[Subject, Result]]) -> None:
+    """Each contract that stands in for a body is one that another program proves. Raises InputError."""
+    for subject, _ in results:
+        for name in subject.by_contract:
+            if not any(name in r.functions and name not in s.by_contract for s, r in results):
+                raise InputError(f"{subject.title}: no program follows {name}; remedy: one that does, in subjects.py")
 
 
 def prove_contracts() -> list[tuple[Contract, Result]]:

@@ -12,6 +12,7 @@ from fmus.places import PACKAGES
 from orchestration import InputError
 from orchestration.cli.console import say
 
+from ..tools import side_by_side
 from .analysis import Alarm
 from .contracts import CONTRACTS, Contract
 from .faults import Fault, faults
@@ -47,13 +48,15 @@ def make(numbers: Sequence[int]) -> None:
     """Plants those of these numbers, from 1, or all. Raises InputError where one is not found."""
     missed = []
     began = time.monotonic()
-    for number, fault in enumerate(faults(), start=1):
-        if numbers and number not in numbers:
-            continue
-        with tempfile.TemporaryDirectory() as temporary:
-            alarms = found(fault, Path(temporary))
+    planted = [(n, fault) for n, fault in enumerate(faults(), start=1) if not numbers or n in numbers]
+    for (number, fault), alarms in zip(planted, side_by_side(_found, [fault for _, fault in planted]), strict=True):
         say(f"{number}. {fault.subject}: {fault.about}: " + (f"found, {alarms[0]}" if alarms else "not found"))
         missed += [] if alarms else [number]
     say(f"{time.monotonic() - began:.0f} s")
     if missed:
         raise InputError(f"not found: {', '.join(map(str, missed))}")
+
+
+def _found(fault: Fault) -> list[Alarm]:
+    with tempfile.TemporaryDirectory() as temporary:
+        return found(fault, Path(temporary))

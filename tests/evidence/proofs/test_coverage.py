@@ -8,12 +8,13 @@ from __future__ import annotations
 import pytest
 
 from evidence.proofs import coverage
-from evidence.proofs.analysis import Result
+from evidence.proofs.analysis import Alarm, Result
 from evidence.proofs.coverage import defined, rows
-from evidence.proofs.make import FLIGHT
-from evidence.proofs.subjects import SUBJECTS, UNFINISHED
+from evidence.proofs.make import FLIGHT, followed_elsewhere
+from evidence.proofs.subjects import SUBJECTS
+from orchestration import InputError
 
-ESTIMATOR = next(s for s in UNFINISHED if s.name == "estimator")
+ESTIMATOR = next(s for s in SUBJECTS if s.name == "estimator")
 FILTER = next(s for s in SUBJECTS if s.name == "filter")
 
 
@@ -51,4 +52,21 @@ def test_of_two_functions_with_one_name_both_have_to_be_entered(monkeypatch):
 
 @pytest.mark.parametrize("part", FLIGHT)
 def test_each_block_of_the_flight_code_has_a_program(part):
-    assert any(s.name == part and s.span == "any" for s in (*SUBJECTS, *UNFINISHED))
+    assert any(s.name == part and s.span == "any" for s in SUBJECTS)
+
+
+def test_a_contract_that_stands_in_for_a_body_is_proved_by_another_program():
+    name = ESTIMATOR.by_contract[0]
+    followed_elsewhere([(ESTIMATOR, result(name)), (FILTER, result(name))])
+    for others in ([], [(FILTER, result("main"))]):
+        with pytest.raises(InputError, match=f"estimator, any: no program follows {name}"):
+            followed_elsewhere([(ESTIMATOR, result(name)), *others])
+
+
+def test_only_what_such_a_contract_ensures_is_left_to_the_other_program():
+    ensured = Alarm("filter.h", 1, ESTIMATOR.by_contract[0], "postcondition", "initialized")
+    assert ESTIMATOR.is_proved_elsewhere(ensured)
+    assert not FILTER.is_proved_elsewhere(ensured)
+    assert not ESTIMATOR.is_proved_elsewhere(Alarm("filter.h", 1, "estimator_correct", "postcondition", "initialized"))
+    called = Alarm("bank.c", 1, ESTIMATOR.by_contract[0], "precondition of estimator_correct_states", "valid")
+    assert not ESTIMATOR.is_proved_elsewhere(called)

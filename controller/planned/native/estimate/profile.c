@@ -40,7 +40,7 @@ static bool estimated(const Profile *profile, double t, Vector *disturbance_B)
 Vector controller_planned_profile_change(const Profile *profile, double now, double t)
 {
     const double period = profile->period;
-    Vector before, then;
+    Vector before = {0.0, 0.0, 0.0}, then = before;
     if (!(period > 0.0 && estimated(profile, now - period, &before) && estimated(profile, t - period, &then))) {
         return (Vector){0.0, 0.0, 0.0};
     }

@@ -101,7 +101,7 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
         if (*work < stages * (before + WORK_ROLLOUT + WORK_OF_ITERATION)) {
             return;
         }
-        if (fresh) {
+        if (search->left == 0) { /* fresh: asked of what it sets, as the proof follows it */
             search->left = wheel ? ITERATIONS : RODS_ITERATIONS;
             controller_planned_lay_stages(model, ahead, &search->x, search->t, search->urgent, NULL, &search->trial,
                                           w->stage, work);
@@ -120,7 +120,8 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
         const int used = controller_planned_improve(model, NULL, &search->x,
                                                     iterations < until_hastened ? iterations : until_hastened,
                                                     &search->trial, w, work);
-        search->left = search->left > used ? search->left - used : 0;
+        const int left = search->left - used;
+        search->left = left > 0 ? left : 0;
         iterations -= used;
         const bool compared = search->left % ITERATIONS_AT_ONCE == 0;
         if ((fresh && search->start == 0) ||
@@ -133,7 +134,7 @@ void controller_planned_search_on(const Model *model, const Ahead *ahead, int it
         if (search->left == 0) {
             const int last = wheel ? STARTS - 1 : RODS_STARTS - 1;
             search->active = search->start < last;
-            search->start = search->active ? search->start + 1 : last + 1;
+            search->start = search->start < last ? search->start + 1 : last + 1;
             search->ready = !search->active && may_be_flown(&search->best);
         }
     }
