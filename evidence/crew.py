@@ -92,6 +92,15 @@ def crew(jobs: int) -> Iterator[Crew]:
         yield Crew(stack.enter_context(local(jobs)).scheduler_address if jobs else None, progress)
 
 
+def complete(jobs: int, wanted: Iterable[Case], results: Path) -> None:
+    """Flies what the folders under `results` lack of campaigns, one after the other."""
+    with crew(jobs) as hands:
+        for one in wanted:
+            there = runs_of(one, results)
+            if there is None or len(there) < one.runs:
+                hands.fly(one, results)
+
+
 def in_parts(
     jobs: int,
     name: str,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from orchestration.campaign.flying.rows import Rows
 
-from ..crew import crew, runs_of
+from ..crew import complete, runs_of
 from ..paper import FOLDER, ROOT
 from . import page
 from .kept import FILE, load, save
@@ -28,11 +28,7 @@ def parts(cases: int, tables: Collection[str]) -> Iterator[tuple[Row, int]]:
 def make(cases: int, tables: Collection[str], jobs: int) -> Path:
     """Flies what is left of so many flights of each row; then writes docs/evidence/failures.csv and the page, and
     returns it."""
-    with crew(jobs) as hands:
-        for row, most in parts(cases, tables):
-            rows = flown(row)
-            if rows is None or len(rows) < most:
-                hands.fly(row.case(most), RESULTS)
+    complete(jobs, (row.case(most) for row, most in parts(cases, tables)), RESULTS)
     save(ROOT / "docs" / "evidence" / FILE, [(row, found) for row in ROWS if (found := flown(row))])
     return write()
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from orchestration.campaign.flying.rows import Rows
 
-from ..crew import crew, runs_of
+from ..crew import complete, runs_of
 from ..paper import FOLDER, ROOT
 from . import page
 from .kept import load, save
@@ -29,11 +29,7 @@ def parts(flights: int, only: Sequence[str]) -> Iterator[tuple[Row, int]]:
 
 def make(flights: int, only: Sequence[str], jobs: int) -> Path:
     """Flies what is left of so many flights of each row; then writes file and page, and returns the page."""
-    with crew(jobs) as hands:
-        for row, most in parts(flights, only):
-            rows = flown(row)
-            if rows is None or len(rows) < most:
-                hands.fly(row.case(most), RESULTS)
+    complete(jobs, (row.case(most) for row, most in parts(flights, only)), RESULTS)
     save([(row, found) for row in ROWS if (found := flown(row))])
     return write()
 

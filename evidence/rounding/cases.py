@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ..samples import random_rotations
 from . import exact, operations
@@ -68,8 +69,7 @@ class OfController:
         # Any attitude, and some next to the desired one or to half a turn away from it.
         small = _spread(rng, n, 1e-12, 1e-2)
         angle = np.choose(rng.integers(0, 3, n), [rng.uniform(0.0, math.pi, n), small, math.pi - small])
-        K = np.array([operations.transposed(_hat(x)) for x in _directions(rng, n)])
-        turn = np.eye(3) + np.sin(angle)[:, None, None] * K + (1.0 - np.cos(angle))[:, None, None] * (K @ K)
+        turn = Rotation.from_rotvec(angle[:, None] * _directions(rng, n)).as_matrix()
         u["R_NB"] = desired @ turn + (rng.uniform(-SKEW, SKEW, (n, 3, 3)) if not self.given else 0.0)
         return u
 
@@ -184,10 +184,6 @@ def larger_table(x: Table, y: Table) -> Table:
 def _by_element(u: Any) -> Any:
     """An array of structures as vectors and matrices of arrays."""
     return SimpleNamespace(**{name: np.moveaxis(u[name], 0, -1) for name in u.dtype.names})
-
-
-def _hat(v: Any) -> Any:
-    return [[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]]
 
 
 _PLAIN = Doubles(np.arctan2, np.log1p)

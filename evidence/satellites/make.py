@@ -8,7 +8,7 @@ from pathlib import Path
 
 from orchestration.campaign.flying.rows import Rows
 
-from ..crew import crew, runs_of
+from ..crew import complete, runs_of
 from ..paper import FOLDER, ROOT
 from ..plots import save as save_figures
 from . import page
@@ -32,11 +32,7 @@ def parts(cases: int) -> Iterator[tuple[str, str, int]]:
 def make(cases: int, jobs: int) -> Path:
     """Flies what is left of so many tumbles each; then writes docs/evidence/satellites.csv and the page, and returns
     it."""
-    with crew(jobs) as hands:
-        for satellite, condition, most in parts(cases):
-            rows = flown(satellite, condition)
-            if rows is None or len(rows) < most:
-                hands.fly(tumbles(satellite, most, CONDITIONS[condition]).case, RESULTS)
+    complete(jobs, (tumbles(name, most, CONDITIONS[how]).case for name, how, most in parts(cases)), RESULTS)
     save(ROOT / "docs" / "evidence" / FILE, {(s, c): found for s in ALL for c in CONDITIONS if (found := flown(s, c))})
     return write()
 

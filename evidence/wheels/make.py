@@ -8,7 +8,7 @@ from pathlib import Path
 from orchestration import InputError
 
 from .. import files
-from ..crew import crew, runs_of
+from ..crew import complete, runs_of
 from ..paper import FOLDER, ROOT
 from ..plots import save as save_figures
 from . import long, page, slews
@@ -26,11 +26,7 @@ def make(cases: int, jobs: int, rows: Sequence[str]) -> Iterator[str]:
     if not wanted:
         raise InputError(f"row: expected a part of one of {', '.join(one.name for one in all_flights())}")
     cases_of = {one: one.case(cases) for one in wanted}
-    with crew(jobs) as hands:
-        for case in cases_of.values():
-            there = runs_of(case, RESULTS)
-            if there is None or len(there) < case.runs:
-                hands.fly(case, RESULTS)
+    complete(jobs, cases_of.values(), RESULTS)
     for one, case in cases_of.items():
         if one.case(cases).fingerprint != case.fingerprint:
             yield f"{one.name}: an FMU was built anew while it flew; remedy: the same command again"

@@ -92,19 +92,17 @@ def test_outcomes_of_holds_are_told_apart():
     assert [OUTCOMES[i] for i in outcome("V.C", runs)[-2:]] == list(OUTCOMES[3:])
 
 
-def test_the_interval_of_a_constant_ends_where_a_claim_is_lost():
-    constant = next(c for c in ONE_BY_ONE if c.name == "year (10 August)")
+@pytest.mark.parametrize(
+    ("name", "late", "never", "kept"),
+    [
+        ("year (10 August)", slice(0, 1), slice(-2, None), (2006.0, 2013.0)),
+        (ONE_BY_ONE[0].name, slice(170, 300), slice(0, 0), (300.0, 169.0)),  # a longitude goes round
+    ],
+)
+def test_the_interval_of_a_constant_ends_where_a_claim_is_lost(name, late, never, kept):
+    constant = next(c for c in ONE_BY_ONE if c.name == name)
     n = len(constant.values)
     settled = np.full(n, 180.0)
-    settled[0], settled[-2:] = 200.0, math.nan
+    settled[late], settled[never] = 200.0, math.nan
     runs = seen(n, **{k: np.full(n, v) for k, v in GOOD["V.B"].items()} | {"settled": settled})
-    assert interval(constant, "V.B", runs) == (2006.0, 2013.0)
-
-
-def test_the_interval_of_a_longitude_goes_round():
-    constant = ONE_BY_ONE[0]
-    n = len(constant.values)
-    settled = np.full(n, 180.0)
-    settled[170:300] = 200.0
-    runs = seen(n, **{k: np.full(n, v) for k, v in GOOD["V.B"].items()} | {"settled": settled})
-    assert interval(constant, "V.B", runs) == (300.0, 169.0)
+    assert interval(constant, "V.B", runs) == kept

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from evidence import crew
 from evidence.satellites import make
 from evidence.satellites.classes import ALL, DURATION, box, settled, tumbles
 from evidence.satellites.kept import CONDITIONS
@@ -74,8 +75,9 @@ def test_a_part_that_a_satellite_has_flown_already_is_not_flown_again(monkeypatc
     """A campaign that has more runs than are wanted is refused."""
     wanted = []
     hands = SimpleNamespace(fly=lambda case, _: wanted.append(case.runs))
-    monkeypatch.setattr(make, "crew", lambda _: nullcontext(hands))
-    monkeypatch.setattr(make, "flown", lambda *_: range(15))
+    monkeypatch.setattr(crew, "crew", lambda _: nullcontext(hands))
+    monkeypatch.setattr(crew, "runs_of", lambda *_: range(15))
+    monkeypatch.setattr(make, "flown", lambda *_: None)
     monkeypatch.setattr(make, "save", lambda *_: None)
     monkeypatch.setattr(make, "write", lambda: None)
     make.make(22, 1)

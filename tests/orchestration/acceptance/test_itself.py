@@ -170,23 +170,18 @@ def test_a_field_of_another_epoch_is_told_by_the_earths_angle(run, epoch, words)
     assert words in one.text
 
 
-def test_a_field_whose_earth_has_the_axes_of_N_is_told(run):
+@pytest.mark.parametrize(
+    ("turned", "degree", "words"), [(True, 13, "taken as those of N at t = 0"), (False, 1, "dipole")]
+)
+def test_a_field_by_the_axes_of_N_and_a_dipole_are_told_as_such(run, turned, degree, words):
     earth = EarthField(str(run.told["epoch"]))
     rows = np.arange(0, len(run.time), 50)
-    B = earth.at(run.time[rows], run.values["r_N"][rows], earth.zero_longitude)
-    every = np.stack([np.interp(run.time, run.time[rows], B[:, i]) for i in range(3)], axis=1)
-    b = _along(run.values["R_NB"].transpose(0, 2, 1), every)
-    assert "taken as those of N at t = 0" in trials(changed(run, b_B=b))[FIELD].text
-
-
-def test_a_dipole_is_told_as_one(run):
-    earth = EarthField(str(run.told["epoch"]))
-    rows = np.arange(0, len(run.time), 50)
-    B = earth.at(run.time[rows], run.values["r_N"][rows], degree=1)
+    angle = (earth.zero_longitude,) if turned else ()
+    B = earth.at(run.time[rows], run.values["r_N"][rows], *angle, degree=degree)
     every = np.stack([np.interp(run.time, run.time[rows], B[:, i]) for i in range(3)], axis=1)
     one = trials(changed(run, b_B=_along(run.values["R_NB"].transpose(0, 2, 1), every)))[FIELD]
     assert one.status == "failed"
-    assert "dipole" in one.text
+    assert words in one.text
 
 
 def test_a_difference_without_a_known_cause_is_told_as_a_symptom(run):

@@ -109,10 +109,17 @@ def test_an_fmu_that_ends_the_process_is_a_failure_with_its_place_and_earlier_re
     assert earlier.read_text() == '{"scenario": {}}'
 
 
-def test_an_fmu_that_closes_standard_files_loses_no_results_and_the_run_says_so(run, tmp_path):
-    done = run("step-silence")
+@pytest.mark.parametrize(
+    ("guid", "words"),
+    [
+        ("step-silence", "changed the file 1 (output), which it closed; it was restored"),
+        ("step-rid", "open files of this program, which it closed"),
+    ],
+)
+def test_an_fmu_that_closes_files_of_the_program_loses_no_results_and_the_run_says_so(guid, words, run, tmp_path):
+    done = run(guid)
     assert done.returncode == 0, done.stderr
-    assert "changed the file 1 (output), which it closed; it was restored" in done.stdout + done.stderr
+    assert words in done.stdout + done.stderr
     assert len((tmp_path / "results" / "run" / "signals.csv").read_text().splitlines()) == 22
 
 
@@ -120,13 +127,6 @@ def test_a_run_that_is_killed_says_so_and_ends_by_the_same_signal(run, tmp_path)
     done = run("step-kill")
     assert done.returncode == -signal.SIGKILL
     assert "vendor: fmi2DoStep at 1 s: the run was killed (SIGKILL, as the system does for want of mem" in done.stderr
-
-
-def test_an_fmu_that_closes_the_other_files_loses_no_results_and_the_run_says_so(run, tmp_path):
-    done = run("step-rid")
-    assert done.returncode == 0, done.stderr
-    assert "open files of this program, which it closed" in done.stdout + done.stderr
-    assert len((tmp_path / "results" / "run" / "signals.csv").read_text().splitlines()) == 22
 
 
 def test_values_of_others_are_those_of_a_run_without_the_change(run, tmp_path):
