@@ -12,14 +12,16 @@ from controller import so3
 from controller.gains import attitude_scale, rate_scale
 from design.exact import Flown, fly
 
-from ..paper import STEP, Array
+from ..paper import ORBIT, STEP, Array
 from ..samples import random_rotations
-from .equilibria import ORBITAL_RATE, SIGNS
 
+ORBITAL_RATE = 2.0 * math.pi / ORBIT
 RATE_MAX = 0.1
 """Random rates are uniform in a ball of this radius, rad/s; the paper's manoeuvres start at 0.10 and 0.077."""
 OFF_EDGE, EACH = 1e-6, 20
 """Starts near an unstable equilibrium: rad from it, and how many from each."""
+SIGNS = np.array(((1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)))
+"""The diagonals of Q where the law rests: the goal and three half turns, which docs/evidence/margins.md has, too."""
 
 
 def start(rng: np.random.Generator, n: int) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ from design import exact
 from design.loop import read
 from evidence.paper import SCENARIOS
 from evidence.reproduction import convergence
-from evidence.reproduction.equilibria import ORBITAL_RATE
+from evidence.reproduction.convergence import ORBITAL_RATE
 
 LAW = read(SCENARIOS["V.B"]).loop.controller
 FULL = np.array([[2.9, 0.21, -0.34], [0.21, 3.6, 0.17], [-0.34, 0.17, 4.1]])
