@@ -91,7 +91,7 @@ def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
         by = "the wheels' torques and momenta"
         took += f": {'the wheels' if middle < LAW else 'the law, not the wheels,'} set their time"
     else:
-        by = "wheel and rods, the field across it at its strongest, which it seldom is"
+        by = f"{'wheel and ' * bool(facts.wheels)}rods, the field across it at its strongest, which it seldom is"
     note = (
         f"Least: about that axis from rest to rest by {by}. {took}. "
         "From rest relative to the orbit, on an attitude that is measured to 0.01 deg at any rate: what actuators and "
