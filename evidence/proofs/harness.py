@@ -2,7 +2,7 @@
 
 A harness calls the block as the FMI shell does: check, prepare, start, then outputs and step in a loop without end.
 `ANY`: each number is any bit pattern of its type, NaN and infinities included. `LIMITS`: each is within the limits of
-the interface, an optional input also not connected.
+the interface, an optional input also not connected, and each real output has to be finite.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def harness(interface: Interface, span: Range) -> str:
         "parameters": "\n".join(filled("p", v) for v in interface.of("parameter")),
         "inputs": "\n".join(filled("u", v) for v in interface.of("input")),
     }
-    outputs = "\n".join(_read(f"y->{v.name}", v, shape_in_c(interface, v)) for v in interface.of("output"))
+    outputs = "\n".join(_read(f"y->{v.name}", v, shape_in_c(interface, v), span) for v in interface.of("output"))
     return _TEXT.format(
         name=interface.code,
         range=span,
@@ -139,7 +139,7 @@ def harness(interface: Interface, span: Range) -> str:
 
 def _loops(name: str, shape: tuple[int, ...], body: str) -> str:
     """The statement for each element of an array; the analysis takes each element for itself."""
-    body = body.replace("@", name + "".join(f"[{'ijk'[k]}]" for k in range(len(shape))))
+    body = body.replace("$", name + "".join(f"[{'ijk'[k]}]" for k in range(len(shape))))
     for level, n in reversed(list(enumerate(shape))):
         i = "ijk"[level]
         body = f"//@ loop unroll {n};\n    for (int {i} = 0; {i} < {n}; ++{i}) {{\n    {body}\n    }}"
@@ -150,19 +150,19 @@ def _filled(name: str, v: Variable, shape: tuple[int, ...], span: Range) -> str:
     if v.type == "string":
         return f"    Frama_C_make_unknown({name}, {TEXT_SIZE - 1}); {name}[{TEXT_SIZE - 1}] = 0;"
     if v.type == "boolean":
-        return _loops(name, shape, "@ = any_integer != 0;")
+        return _loops(name, shape, "$ = any_integer != 0;")
     if v.type in ("integer", "enumeration"):
         low, high = (1, len(v.items)) if v.type == "enumeration" else (v.min, v.max)
         if span == "any" or low is None or high is None:
-            return _loops(name, shape, "@ = any_integer;")
-        return _loops(name, shape, f"@ = Frama_C_interval({int(low)}, {int(high)});")
+            return _loops(name, shape, "$ = any_integer;")
+        return _loops(name, shape, f"$ = Frama_C_interval({int(low)}, {int(high)});")
     if span == "any":
-        return _loops(name, shape, "@ = any_real;")
+        return _loops(name, shape, "$ = any_real;")
     low, high = limits_of(v)
-    given = _loops(name, shape, f"@ = Frama_C_double_interval({low!r}, {high!r});")
+    given = _loops(name, shape, f"$ = Frama_C_double_interval({low!r}, {high!r});")
     if not v.optional:
         return given
-    absent = _loops(name, shape, "@ = 1e9;")
+    absent = _loops(name, shape, "$ = 1e9;")
     return f"    if (any_integer != 0) {{\n    {given}\n    }} else {{\n    {absent}\n    }}"
 
 
@@ -172,5 +172,8 @@ def limits_of(v: Variable) -> tuple[float, float]:
     return (float(low), float(high)) if not v.optional else (float(low), min(float(high), ABSENT_MIN))
 
 
-def _read(name: str, v: Variable, shape: tuple[int, ...]) -> str:
-    return _loops(name, shape, "seen_real = @;" if v.type == "real" else "seen_integer = @;")
+def _read(name: str, v: Variable, shape: tuple[int, ...], span: Range) -> str:
+    if v.type != "real":
+        return _loops(name, shape, "seen_integer = $;")
+    finite = "//@ assert finite: \\is_finite($);\n    " if span == "limits" else ""
+    return _loops(name, shape, f"{finite}seen_real = $;")

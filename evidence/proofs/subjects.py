@@ -43,6 +43,8 @@ class Subject:
     paths: int = 2000
     """How many paths are kept apart in each of `closely`."""
     options: tuple[str, ...] = ()
+    within: bool = False
+    """Numbers within the block may be NaN or infinite, where outputs have limits; else no operation may give one."""
     quick: bool = False
     """Below ten seconds of one core."""
 
@@ -90,7 +92,7 @@ class Subject:
     def words(self) -> list[str]:
         """Options of Eva for this subject."""
         words = ["-eva-precision", str(self.precision), *self.options, "-warn-special-float"]
-        words.append("non-finite" if self.span == "limits" else "none")
+        words.append("non-finite" if self.span == "limits" and not self.within else "none")
         if specified := [*self.by_contract, *(SPECIFIED if self.span == "limits" else ())]:
             words += ["-eva-use-spec", ",".join(specified)]
         if self.span is None:
@@ -140,6 +142,7 @@ SUBJECTS = (
     Subject("frame", None, 4, sources=(NATIVE / "frame.c",), headers=(NATIVE,), options=_FRAME),
     _whole("allocator"),
     Subject("allocator", "limits", quick=True),
+    Subject("allocator_bounded", "limits", within=True, quick=True),
     _whole("allocator_bounded", "are_rods", "are_wheels", "are_inputs"),
     _whole("allocator_bounded_wheels", "are_rods", "are_wheels", "are_inputs"),
     Subject("controller", "any", 6),

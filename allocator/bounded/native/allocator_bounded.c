@@ -38,6 +38,7 @@ static Commands allocate(const Actuators *a, Vector r)
     }
     double fraction = 0.0;
     for (int i = 0; i < a->n; ++i) {
+        //@ assert share: \is_finite(x[i]) && -1.0 <= x[i] <= 1.0;
         fraction = larger(fraction, fabs(unbounded[i]));
     }
     for (int i = 0; i < a->rods; ++i) {
@@ -47,6 +48,7 @@ static Commands allocate(const Actuators *a, Vector r)
         given.dh_w[k] = a->limit[a->rods + k] * x[a->rods + k];
     }
     given.fraction = smaller(fraction, FRACTION_CAP);
+    //@ assert fraction: \is_finite(given.fraction);
     return given;
 }
 

@@ -1,5 +1,6 @@
 #include "box.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "vector.h"
@@ -83,7 +84,7 @@ static void following(int n, int side[BOX_N])
 
 bool allocator_bounded_box_minimum(const Box *box, double x[BOX_N], double unbounded[BOX_N])
 {
-    double least = INFINITY, candidate[BOX_N] = {0.0};
+    double least = DBL_MAX, candidate[BOX_N] = {0.0};
     int faces = 1, side[BOX_N] = {FREE};
     for (int i = 0; i < box->n; ++i) {
         faces *= 3;
@@ -104,5 +105,5 @@ bool allocator_bounded_box_minimum(const Box *box, double x[BOX_N], double unbou
         }
         following(box->n, side);
     }
-    return least < INFINITY || box->n == 0;
+    return least < DBL_MAX || box->n == 0;
 }
