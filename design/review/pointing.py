@@ -222,4 +222,4 @@ def _figures(facts: Facts, flown: Mapping[str, Flown]) -> list[Curves]:
 
 
 def _deg(value: float) -> str:
-    return f"{math.degrees(value):.3g}" if value == value else "–"
+    return f"{math.degrees(value):.3g}" if math.isfinite(value) else "–"

@@ -83,8 +83,9 @@ def campaign(facts: Facts, options: Options, folder: Path) -> dict[str, Any]:
         )
     signals = [f"{plant}.{name}" for name in ("R_NB", "r_N", "v_N")]
     metrics += [
-        {"name": name, "python": f"pointing:{name}", "signals": signals, "unit": "rad"}
-        for name in ("mean_error", "relative_error", "drift_error")
+        {"name": f"{name}_error", "python": f"pointing:{name}_error", "signals": signals, "unit": "rad"}
+        for name, lasts in (("mean", 1.0), ("relative", 1.0), ("drift", 2.0 + options.drift / options.window))
+        if lasts * options.window <= 0.5 * ORBITS * facts.period  # else it has no value
     ]
     return {
         "name": DRAWN,

@@ -45,7 +45,15 @@ def _line(one: Asked, options: Options, rows: Rows, single: Mapping[str, Worst],
     if study != DRAWN:
         return _of_one(one, head, *single.get(one.metric, (math.nan, "")), study)
     if one.metric not in {m["name"] for m in rows.manifest["metrics"]}:
-        return [*head, required, "not verifiable", "–", "–", "–", "the scenario has no estimator to judge"]
+        return [
+            *head,
+            required,
+            "not verifiable",
+            "–",
+            "–",
+            "–",
+            "the tumbles have no value of it: no estimator to judge, or a window or drift longer than an orbit",
+        ]
     met, count, margin = tumbles.counted(rows, one, latest)
     verdict = verdicts([Requirement(one.id, one.probability, one.confidence)], {one.id: met}, count)[0]
     worst = tumbles.worst(rows, one, latest)

@@ -45,6 +45,7 @@ def test_a_review_has_all_sections_and_goes_on_where_it_was_stopped(satellite, t
     found = once()
     assert [section.heading for section in found.sections] == SECTIONS
     assert found.verdicts[2] == "not verifiable"
+    assert " 0 failed" in found.sections[2].notes[0], "a metric that has no value fails a tumble"
     assert told[-1][1] == told[-1][2]
     assert "flights" in said[0]
     found.save(tmp_path / "out")
