@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +36,8 @@ class Verdict:
     named: bool | None = None
     false: list[str] = field(default_factory=list)
     said: list[str] = field(default_factory=list)
+    left: float = 0.0
+    """Share of ours that what is said leaves unexplained."""
 
 
 def judge(case: Case, path: Path, ours: Source) -> Verdict:
@@ -64,6 +66,7 @@ def judge(case: Case, path: Path, ours: Source) -> Verdict:
     verdict.said += [f"{port}: {text}" for port, text in behaves.items()]
     causes = [cause for mended in looked.mended for cause in getattr(mended, "causes", ())]
     verdict.said += [str(cause) for cause in causes]
+    verdict.left = max((mended.after for mended in looked.mended if mended.behaves or mended.causes), default=0.0)
     verdict.detected = looked.wrong is not None or any(mended.before > 1e-10 for mended in looked.mended)
     equally = any(_is_truth(words, case) for mended in looked.mended for words in mended.equally)
     verdict.said += [f"or equally well: {words}" for mended in looked.mended for words in mended.equally]
@@ -95,6 +98,8 @@ def _is_read(text: str, port: str, case: Case) -> bool:
     """Whether theirs = A ours is read so where it is taken for ours: turned, but for its unit, or in another unit."""
     A = case.truth[port][1]
     turns, unit = dict(signed_permutations()), reference(case.vendor.block, Path()).model.variables[port].unit
+    if text == "opposite sign":
+        return np.allclose(A, -np.eye(len(A)))
     if text in turns:
         return A.shape == (3, 3) and np.allclose(np.linalg.inv(A) * np.abs(A).max(), turns[text])
     factor = dict(usual_factors(unit, rare=True)).get(text) if unit else None
@@ -131,6 +136,8 @@ def _same(cause: Any, expected: tuple[str, str, float]) -> bool:
     kind, where, size = expected
     if kind == "parameter" and cause.kind == kind:
         return any(n == where and abs(f - size) <= SIZE * size for n, f in ((cause.where, cause.size), *cause.equally))
+    if any(kind == other for other, _ in cause.equally):
+        cause = replace(cause, kind=kind, size=dict(cause.equally)[kind], equally=())
     if cause.kind != kind or cause.where.partition("[")[0] != where.partition("[")[0]:
         return False
     if "[" in where and "[" in cause.where and cause.where != where:

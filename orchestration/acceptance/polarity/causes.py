@@ -9,8 +9,9 @@ Tests: tests/orchestration/acceptance/test_causes.py.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,14 +48,20 @@ class Cause:
     left: float
     """What differs with it, as a share of the output's size."""
     equally: tuple[tuple[str, float], ...] = ()
-    """Other parameters, with their factors, that explain it as well."""
+    """Other parameters with their factors, or other kinds with their sizes, that explain it as well."""
 
     def __str__(self) -> str:
         return f"{self.where}: {self.text}"
 
 
-_Found = tuple[str, float, str, Floats]
-"""Kind, size, words, and what is left (n,)."""
+class _Found(NamedTuple):
+    """What explains an element's difference, and what is left of it (n,)."""
+
+    kind: str
+    size: float
+    text: str
+    rest: Floats
+    equally: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -88,7 +95,7 @@ def causes_of(name: str, ours: Floats, theirs: Floats, time: Floats, unit: Unit 
                 left[:, i] = found[i][-1][3]
     made = [(i, one) for i, some in found.items() for one in some]
     causes: list[Cause] = []
-    for i, (kind, value, text, rest) in made:
+    for i, (kind, value, text, rest, equally) in made:
         share = float(np.sqrt((rest * rest).mean())) / size
         alike = [
             one for one in causes if one.kind == kind and np.isclose(one.size, value, rtol=_SPREAD.get(kind, 0.02))
@@ -97,7 +104,7 @@ def causes_of(name: str, ours: Floats, theirs: Floats, time: Floats, unit: Unit 
             causes[causes.index(alike[0])] = replace(alike[0], where=name, left=max(share, alike[0].left))
         else:
             where = f"{name}[{i + 1}]" if ours.shape[1] > 1 else name
-            causes.append(Cause(kind, where, value, text, share))
+            causes.append(Cause(kind, where, value, text, share, equally))
     return causes, left
 
 
@@ -106,7 +113,7 @@ def _explained(s: Series, size: float) -> list[_Found]:
     difference = s.theirs - s.ours
     before = min(float(np.sqrt((x * x).mean())) for x in (difference, s.theirs))  # of what is tiny all is left
     if _is_single(s, size):
-        return [("single", 0.0, "in single precision", np.zeros(len(s.ours)))]
+        return [_Found("single", 0.0, "in single precision", np.zeros(len(s.ours)))]
     tried: list[tuple[float, list[_Found]]] = []
     for hypothesis in HYPOTHESES:
         for found in hypothesis(s):
@@ -118,10 +125,21 @@ def _explained(s: Series, size: float) -> list[_Found]:
         tried.insert(0, min(plain, key=lambda pair: len(pair[1])))
         kind = tried[0][1][0][0]
         rivals = [left for left, found in tried[1:] if found[0][0] != kind and len(found) <= len(tried[0][1])]
-        if best <= EXACT * size or not rivals or rivals[0] >= CLEAR * best:
+        if best <= EXACT * size:
+            others = [found[0] for left, found in tried[1:] if left <= EXACT * size and len(found) == 1]
+            return _with_others(tried[0][1], [one for one in others if one.kind != kind])
+        if not rivals or rivals[0] >= CLEAR * best:
             return tried[0][1]
         return []
     return _noise(s)
+
+
+def _with_others(found: list[_Found], others: Sequence[_Found]) -> list[_Found]:
+    """Returns one cause with others that explain all as exactly; two together as they are."""
+    if len(found) != 1 or not others:
+        return found
+    words = "; or equally well ".join([found[0].text, *(one.text for one in others)])
+    return [found[0]._replace(text=words, equally=tuple((one.kind, one.size) for one in others))]
 
 
 def _late(s: Series) -> Iterator[list[_Found]]:
@@ -139,7 +157,7 @@ def _late(s: Series) -> Iterator[list[_Found]]:
     if best is not None and best[1] > 1e-3:
         samples = best[1]
         words = f"{samples:.3g} sample{'s' if samples > 1 else ''} ({samples * s.step:.3g} s) late"
-        yield [("delay", samples, words, best[2])]
+        yield [_Found("delay", samples, words, best[2])]
 
 
 def _held(s: Series) -> Iterator[list[_Found]]:
@@ -150,23 +168,22 @@ def _held(s: Series) -> Iterator[list[_Found]]:
     k = int(np.gcd.reduce(changes))
     if k > 1:
         held = s.ours[np.arange(len(s.ours)) // k * k]
-        yield [("hold", float(k), f"taken anew each {k} samples ({k * s.step:.3g} s) only", s.theirs - held)]
+        yield [_Found("hold", float(k), f"taken anew each {k} samples ({k * s.step:.3g} s) only", s.theirs - held)]
 
 
 def _stuck(s: Series) -> Iterator[list[_Found]]:
-    """Constant from an instant on, to the end; from the start at zero only, and not where ours is beyond it throughout,
-    since one at its limit does not move either."""
+    """Constant from an instant on, to the end; from the start at zero only, since one at its limit does not move
+    either."""
     moving = np.flatnonzero(s.theirs != s.theirs[-1])
     first = int(moving[-1]) + 1 if len(moving) else 0
     if len(s.theirs) - first < 10 or np.ptp(s.ours[first:]) == 0.0 or (not first and s.theirs[-1] != 0.0):
         return
-    at_most = float(np.abs(s.theirs).max())
-    if 0.0 < at_most <= float((s.ours[first:] * np.sign(s.theirs[-1])).min()) and abs(s.theirs[-1]) == at_most:
-        return
     stuck = s.ours.copy()
     stuck[first:] = s.theirs[-1]
     at = float(s.time[first])
-    yield [("stuck", at, f"stuck at {with_unit(float(s.theirs[-1]), _name(s))} from {at:.5g} s", s.theirs - stuck)]
+    yield [
+        _Found("stuck", at, f"stuck at {with_unit(float(s.theirs[-1]), _name(s))} from {at:.5g} s", s.theirs - stuck)
+    ]
 
 
 def _limited(s: Series) -> Iterator[list[_Found]]:
@@ -175,7 +192,7 @@ def _limited(s: Series) -> Iterator[list[_Found]]:
     at = np.count_nonzero(np.abs(s.theirs) >= limit * (1.0 - 1e-9))
     if at >= 3 and 0.0 < limit < 0.999 * float(np.abs(s.ours).max()):
         left = s.theirs - np.clip(s.ours, -limit, limit)
-        yield [("limit", limit, f"saturated at {with_unit(limit, _name(s))}", left)]
+        yield [_Found("limit", limit, f"saturated at {with_unit(limit, _name(s))}", left)]
 
 
 def _lagging(s: Series) -> Iterator[list[_Found]]:
@@ -190,7 +207,7 @@ def _lagging(s: Series) -> Iterator[list[_Found]]:
             filtered[i] = filtered[i - 1] + a * (s.ours[i] - filtered[i - 1])
         constant = -s.step / np.log(1.0 - a)
         words = f"behind a filter with a time constant of {constant:.3g} s"
-        yield [("lag", constant, words, s.theirs - filtered)]
+        yield [_Found("lag", constant, words, s.theirs - filtered)]
 
 
 def _dead(s: Series) -> Iterator[list[_Found]]:
@@ -205,7 +222,7 @@ def _dead(s: Series) -> Iterator[list[_Found]]:
         ("", s.theirs - np.where(np.abs(s.ours) <= zone, 0.0, s.ours)),
         (", less it beyond", s.theirs - np.sign(s.ours) * np.maximum(np.abs(s.ours) - zone, 0.0)),
     ):
-        yield [("dead", edge, f"zero below {with_unit(float(f'{edge:.3g}'), _name(s))}{words}", left)]
+        yield [_Found("dead", edge, f"zero below {with_unit(float(f'{edge:.3g}'), _name(s))}{words}", left)]
 
 
 def _coarse(s: Series) -> Iterator[list[_Found]]:
@@ -224,7 +241,7 @@ def _coarse(s: Series) -> Iterator[list[_Found]]:
         exact = s.theirs - step * np.round(s.ours / step)
         cut = s.theirs - step * np.trunc(s.ours / step)
         rest = min((exact, cut), key=lambda x: float(x @ x))
-        yield [("quantum", step, f"in steps of {with_unit(float(f'{step:.4g}'), _name(s))}", rest)]
+        yield [_Found("quantum", step, f"in steps of {with_unit(float(f'{step:.4g}'), _name(s))}", rest)]
 
 
 def _scaled(s: Series) -> Iterator[list[_Found]]:
@@ -235,9 +252,8 @@ def _scaled(s: Series) -> Iterator[list[_Found]]:
     if square:
         gain = float(z @ y) / square
     if square and GAINS[0] < gain < GAINS[1]:
-        yield [("gain", gain, f"times {gain:.5g}", y - gain * z)]
-    bias = ("bias", offset, f"plus {with_unit(float(f'{offset:.5g}'), _name(s))}", y - z - offset)
-    yield [bias]
+        yield [_Found("gain", gain, f"times {gain:.5g}", y - gain * z)]
+    yield [_Found("bias", offset, f"plus {with_unit(float(f'{offset:.5g}'), _name(s))}", y - z - offset)]
     spread = float(((z - z.mean()) ** 2).sum())
     if n > 3 and spread > 0.0:
         gain = float((z - z.mean()) @ (y - y.mean())) / spread
@@ -246,7 +262,7 @@ def _scaled(s: Series) -> Iterator[list[_Found]]:
         offset = float(y.mean() - gain * z.mean())
         rest = y - gain * z - offset
         plus = f"plus {with_unit(float(f'{offset:.5g}'), _name(s))}"
-        yield [("gain", gain, f"times {gain:.5g}", rest), ("bias", offset, plus, rest)]
+        yield [_Found("gain", gain, f"times {gain:.5g}", rest), _Found("bias", offset, plus, rest)]
 
 
 HYPOTHESES: tuple[Callable[[Series], Iterator[list[_Found]]], ...] = (
@@ -276,7 +292,9 @@ def _noise(s: Series) -> list[_Found]:
     halves = float(e[: n // 2].std()) / (float(e[n // 2 :].std()) or 1e-300)
     if max(map(abs, lags + alike)) > bound or not 0.8 < halves < 1.25 or np.count_nonzero(e == 0.0) > 0.1 * n:
         return []
-    return [("noise", sigma, f"with white noise of {with_unit(float(f'{sigma:.3g}'), _name(s))} rms", np.zeros(n))]
+    return [
+        _Found("noise", sigma, f"with white noise of {with_unit(float(f'{sigma:.3g}'), _name(s))} rms", np.zeros(n))
+    ]
 
 
 def _is_single(s: Series, size: float) -> bool:

@@ -138,7 +138,8 @@ def other_frame(
             causes, left, unknowns = min(made, key=lambda one: one[1])
         else:
             unknowns = tried[0]
-        if left < min(_SERVES, _PART * as_wired):
+        noisy = len(unknowns) > 1 and any(cause.kind == "noise" for cause in causes)  # it would turn with the noise
+        if left < min(_SERVES, _PART * as_wired) and not noisy:
             found.append((left, reading, unknowns, causes))
     if not found:
         return None

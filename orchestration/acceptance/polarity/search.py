@@ -9,10 +9,10 @@ Tests: tests/orchestration/acceptance/test_polarity.py, tests/torture/polarity.p
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from itertools import combinations, islice
+from itertools import combinations, islice, product
 from typing import NamedTuple
 
 import numpy as np
@@ -119,8 +119,8 @@ class Search(Identifier):
         ends, complete = clock() + seconds, True
         singles = [{name: w} for name in self.inputs if name not in self.base for w in self.candidates(name)]
         tried = self._ranked([{}, *singles, *self.common], INSTANTS)
-        if _is_silent(theirs) and (wakes := self._explained([pair for pair in tried if pair[1]], wired)).named:
-            return wakes
+        if _is_silent(theirs) and (woken := self._woken([pair for pair in tried if pair[1]], wired)) is not None:
+            return woken
         best = self._explained(tried, wired)
         if best.named and best.after <= ALIKE:
             return best
@@ -148,6 +148,16 @@ class Search(Identifier):
             framed = self._framed(tried, clock() + seconds / 2)
             best = self._with_frame(best, wired, clock() + seconds / 2, framed)
         return replace(best, complete=complete)
+
+    def _woken(self, tried: Sequence[tuple[Score, Changes]], wired: _Wired) -> Identified | None:
+        """Returns what a wiring explains with which something comes out, where nothing does as wired: one change of
+        one input, or else nothing is named, since a second one could make up for a first that is wrong. None where no
+        wiring brings anything to life."""
+        best = self._explained(tried, wired)
+        if best.after == np.inf or not best.inputs:
+            return None
+        alone = len(best.inputs) == 1 and not best.outputs
+        return best if best.named and alone else self._found({}, wired, wired.before)
 
     def _turned(self, wired: _Wired) -> Identified:
         """Looks at one turn of all vectors of a frame on theirs, whose inputs are handed over so that it reads those of
@@ -206,7 +216,34 @@ class Search(Identifier):
             and len(one.causes) == len(best.causes)
             and {n: w.name for n, w in one.inputs.items()} != {n: w.name for n, w in best.inputs.items()}
         ]
-        return replace(best, equally=tuple(alike))
+        countered = (
+            [other for inputs in (best.inputs, *alike) for other in self._countered(inputs)] if best.named else []
+        )
+        return replace(best, equally=(*alike, *countered))
+
+    def _countered(self, inputs: Changes) -> Iterator[Changes]:
+        """Yields wirings of one more input that ours cannot tell from this one: two have the opposite sign, where ours
+        takes in their product alone."""
+        alike = self.ours_on(self.misread(self.whole, {**self.base, **inputs}))
+        for name, other in product(inputs, self.inputs):
+            matrix = inputs[name].matrix
+            if other in inputs or matrix is None or alike is None:
+                continue
+            negated = self._with(name, -matrix)
+            counter = self._with(other, -np.eye(len(self.ports[other].positions)))
+            if negated is None or counter is None:
+                continue
+            changes = {**inputs, name: negated, other: counter}
+            ours = self.ours_on(self.misread(self.whole, {**self.base, **changes}))
+            if ours is not None and all(np.array_equal(ours[n], alike[n]) for n in self.reference):
+                yield changes
+
+    def _with(self, name: str, matrix: Floats) -> Wrong | None:
+        """Returns the wrong wiring of an input that multiplies it so; None where it is none of the candidates."""
+        for wrong in self.candidates(name):
+            if wrong.matrix is not None and wrong.matrix.shape == matrix.shape and np.allclose(wrong.matrix, matrix):
+                return wrong
+        return None
 
     def _forward(self, inputs: Changes, outputs: dict[str, Wrong], wired: _Wired) -> float:
         """Returns what is left where ours misreads its inputs so and theirs is handed what it is handed as wired.
