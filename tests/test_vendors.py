@@ -81,6 +81,7 @@ def test_pairs_that_were_missed_once_are_named(seed, pair, tmp_path):
     [
         (9208088, ["noise", "orbit along the axes of J2000"], True),
         (9208164, ["unit, untold", "other parameter"], False),
+        (9209261, ["rate relative to LVLH", "other parameter"], True),
     ],
 )
 @pytest.mark.thorough

@@ -93,7 +93,8 @@ def causes_of(name: str, ours: Floats, theirs: Floats, time: Floats, unit: Unit 
             found[i] = _explained(Series(ours[:, i], theirs[:, i], time, unit), size)
             if found[i]:
                 left[:, i] = found[i][-1][3]
-    made = [(i, one) for i, some in found.items() for one in some]
+    every = [one for some in found.values() for one in some]
+    made = [(i, _as_others(one, every)) for i, some in found.items() for one in some]
     causes: list[Cause] = []
     for i, (kind, value, text, rest, equally) in made:
         share = float(np.sqrt((rest * rest).mean())) / size
@@ -106,6 +107,15 @@ def causes_of(name: str, ours: Floats, theirs: Floats, time: Floats, unit: Unit 
             where = f"{name}[{i + 1}]" if ours.shape[1] > 1 else name
             causes.append(Cause(kind, where, value, text, share, equally))
     return causes, left
+
+
+def _as_others(one: _Found, every: Sequence[_Found]) -> _Found:
+    """Returns a cause of an element as that which another element has, where this serves equally well."""
+    for kind, size in one.equally:
+        for other in every:
+            if other.kind == kind and not other.equally and np.isclose(other.size, size, rtol=_SPREAD.get(kind, 0.02)):
+                return other._replace(rest=one.rest)
+    return one
 
 
 def _explained(s: Series, size: float) -> list[_Found]:

@@ -30,6 +30,9 @@ from .wrongs import Wrong, left_handed
 
 SMALL = 0.01
 """Share of ours by which theirs may still differ for a cause to be named; beyond it, the difference alone is told."""
+TOGETHER = 1e-6
+"""The same where several things are stated, or a size that was fitted: two of them together come near to much that is
+neither. Those that were right left 5e-9 at most (docs/evidence/vendors.md)."""
 PART = 0.02
 """And part of the difference as wired; of a wiring times that difference, since a small one could be anything."""
 _LARGE, _MOST_LEFT = 0.3, 0.15
@@ -79,7 +82,14 @@ class Identified:
     def named(self) -> bool:
         """Whether what is left is small enough for the causes to be stated."""
         part = PART * self.before * (min(self.before, 1.0) if self.inputs or self.outputs else 1.0)
-        return self.before > SAME and self.after <= max(min(SMALL, part), SAME)
+        alone = self.said <= 1 and not any(cause.kind in _STRUCTURAL for cause in self.causes)
+        return self.before > SAME and self.after <= max(min(SMALL if alone else TOGETHER, part), SAME)
+
+    @property
+    def said(self) -> int:
+        """How many things are stated, as one those that several ports have in common."""
+        turns = {key_of(wrong) for wrong in self.inputs.values()}
+        return len(turns) + len(self.outputs) + len({(c.kind, c.where) for c in self.causes})
 
 
 _Rest = tuple[tuple[Cause, ...], float]
@@ -449,11 +459,9 @@ def _mended(outputs: Mapping[str, Wrong], name: str, values: Floats) -> Floats:
 def _worth(found: Identified) -> float:
     """Returns what of several explanations is best: what is left, and how much is said."""
     left = max(found.after, SAME)
-    turns = {key_of(w) for w in found.inputs.values()}
-    said = len(turns) + len(found.outputs) + len({(c.kind, c.where) for c in found.causes})
     hands = sum(left_handed(w) for w in found.inputs.values())
     mirror = _MIRROR if hands > 1 else 0.0
-    return left + CHANGE * said + 1e-4 * hands + mirror + MINUS * sum(map(minus_of, found.inputs.values()))
+    return left + CHANGE * found.said + 1e-4 * hands + mirror + MINUS * sum(map(minus_of, found.inputs.values()))
 
 
 def open_search(ours: Source, theirs: Source, block: str, stack: ExitStack) -> Search:
