@@ -49,6 +49,8 @@ def test_what_was_written_beforehand_is_said_and_nothing_false(kind, seed, flavo
 @pytest.mark.parametrize(
     ("seed", "pair"),
     [
+        (9210155, ["other parameter"]),
+        (9210102, ["opposite sign, untold", "left-handed port, untold"]),
         (9208064, ["position along the Earth's axes", "stuck"]),
         (9208306, ["axes of a port, untold", "opposite sign, untold"]),
         (9204042, ["saturated", "rate in N, untold"]),

@@ -89,7 +89,8 @@ def command(
         if looked is not None and looked.mended and (unseen := page.unobservable(trials)):
             names = ", ".join(dict.fromkeys(name for name, *_ in unseen))
             complain(
-                f"the loop does not confirm all of the mapping: wrong wirings of {names} change nothing that it sees"
+                "the loop does not confirm all of the mapping: "
+                f"some wrong wirings of {names} change nothing that it sees"
             )
     wrong = looked is not None and (looked.wrong is not None or any(m.behaves for m in looked.mended))
     ctx.exit(EXPECTATION_FAILED if wrong else 0)

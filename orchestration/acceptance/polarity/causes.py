@@ -99,7 +99,9 @@ def causes_of(name: str, ours: Floats, theirs: Floats, time: Floats, unit: Unit 
     for i, (kind, value, text, rest, equally) in made:
         share = float(np.sqrt((rest * rest).mean())) / size
         alike = [
-            one for one in causes if one.kind == kind and np.isclose(one.size, value, rtol=_SPREAD.get(kind, 0.02))
+            one
+            for one in causes
+            if one.kind == kind and np.isclose(one.size, value, rtol=_SPREAD.get(kind, 0.02)) and not _apart(one, text)
         ]
         if alike and kind not in ("gain", "bias"):
             causes[causes.index(alike[0])] = replace(alike[0], where=name, left=max(share, alike[0].left))
@@ -107,6 +109,11 @@ def causes_of(name: str, ours: Floats, theirs: Floats, time: Floats, unit: Unit 
             where = f"{name}[{i + 1}]" if ours.shape[1] > 1 else name
             causes.append(Cause(kind, where, value, text, share, equally))
     return causes, left
+
+
+def _apart(cause: Cause, text: str) -> bool:
+    """Whether elements stick at values of their own, which are told one by one."""
+    return cause.kind == "stuck" and cause.text != text
 
 
 def _as_others(one: _Found, every: Sequence[_Found]) -> _Found:
@@ -182,11 +189,12 @@ def _held(s: Series) -> Iterator[list[_Found]]:
 
 
 def _stuck(s: Series) -> Iterator[list[_Found]]:
-    """Constant from an instant on, to the end; from the start at zero only, since one at its limit does not move
-    either."""
+    """Constant from an instant on, to the end; from the start at zero or at our first value only, since one at its
+    limit does not move either."""
     moving = np.flatnonzero(s.theirs != s.theirs[-1])
     first = int(moving[-1]) + 1 if len(moving) else 0
-    if len(s.theirs) - first < 10 or np.ptp(s.ours[first:]) == 0.0 or (not first and s.theirs[-1] != 0.0):
+    limited = not first and s.theirs[-1] != 0.0 and abs(s.theirs[-1] - s.ours[0]) > EXACT * float(np.abs(s.ours).max())
+    if len(s.theirs) - first < 10 or np.ptp(s.ours[first:]) == 0.0 or limited:
         return
     stuck = s.ours.copy()
     stuck[first:] = s.theirs[-1]

@@ -151,6 +151,11 @@ def other_frame(
         if more and least < 0.1 * left and all(cause.kind == "single" for cause in more):
             causes, left = (*causes, *more), least
     others = [f"{r.where}: {r.words(u)}" for _, r, u, _ in found[1:] if len(u) == len(unknowns)]
+    if reading.kind == "input gain" and np.ptp(unknowns) <= _EXACT:
+        factor = 1.0 + float(unknowns[0])  # of a product with another input it could as well be that one's
+        scaled = {n: {n: v * factor} for n, v in whole[0].items() if n != reading.where}
+        alike = [n for n, v in scaled.items() if float(np.linalg.norm(_left(ours, whole[0], v, whole[2]))) <= most]
+        others += [f"{n}: read with gains of {factor:.4g}" for n in alike]
     words = "; or equally well ".join([reading.words(unknowns), *others])
     frames = [Cause(reading.kind, reading.where, reading.size(unknowns), words, left)]
     if (behind := reading.behind) is not None:

@@ -200,14 +200,16 @@ def as_yaml(mapping: Mapping[str, Any]) -> str:
 def in_words(mended: Mended) -> list[str]:
     """Returns what explains how theirs differs from ours, or else how it differs; nothing where it does not."""
     if not math.isfinite(mended.before):
-        return [f"{mended.block}: it refuses the inputs that ours has in its run, or gives what is not finite"]
+        return [f"{mended.block}: on the inputs that ours has in its run it fails, or an output is not finite"]
     if mended.before <= SAME:
         return []
     differs = f"{mended.block}: on the same inputs its outputs differ by {100 * mended.before:.3g} % of ours"
+    if mended.before >= 1.0:
+        differs += " (an output counts with 200 % at most)"
     if mended.first is not None:
-        differs += f", {mended.first[0]} first, at {mended.first[1]:.5g} s"
+        differs += f", {mended.first[0]} first by more than 1 % of its largest, at {mended.first[1]:.5g} s"
     if not mended.named:
-        no = "no other sign, axis, unit or attitude of its ports, and no other cause that is known, explains that"
+        no = "no sign, axis, unit, attitude or other cause, alone or in the pairs that were tried, explains that"
         return [f"{differs}; {no}: the best leaves {100 * mended.after:.3g} %, so none is named"]
     lines = [f"{differs}; with what follows taken out, by {100 * mended.after:.2g} %"]
     if mended.after > SMALL:
@@ -217,7 +219,7 @@ def in_words(mended: Mended) -> list[str]:
         lines += [f"  {port}: {wrong}" for port, wrong in mended.behaves.items()]
     lines += [f"  or equally well: {other}" for other in mended.equally]
     if mended.causes:
-        lines.append(f"{mended.block} differs" + (" besides:" if mended.behaves else ":"))
+        lines.append(f"{mended.block} differs" + (" also:" if mended.behaves else ":"))
         lines += [f"  {cause}; that leaves {100 * cause.left:.2g} %" for cause in mended.causes]
     return lines
 

@@ -127,7 +127,8 @@ class Search(Identifier):
             return Identified({}, {}, before, before, self.ports)
         wired = _Wired(theirs, before, first)
         ends, complete = clock() + seconds, True
-        singles = [{name: w} for name in self.inputs if name not in self.base for w in self.candidates(name)]
+        free = [name for name in self.inputs if name not in self.base]
+        singles = [{name: w} for name in free for w in (*self.candidates(name), *self._negated_units(name))]
         tried = self._ranked([{}, *singles, *self.common], INSTANTS)
         if _is_silent(theirs) and (woken := self._woken([pair for pair in tried if pair[1]], wired)) is not None:
             return woken
@@ -145,7 +146,7 @@ class Search(Identifier):
         starts = [self._descend(changes, ends) for _, changes in tried[:4]]
         found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), wired)
         best = min(best, found, key=_worth)
-        if not best.named:
+        if not best.named or best.said > 2:
             pairs, complete = self._pairs(ends)
             starts = [self._descend(changes, ends) for _, changes in pairs[:6]]
             found = self._explained(sorted(starts, key=lambda pair: pair[0].cost), wired)
@@ -158,6 +159,11 @@ class Search(Identifier):
             framed = self._framed(tried, clock() + seconds / 2)
             best = self._with_frame(best, wired, clock() + seconds / 2, framed)
         return replace(best, complete=complete)
+
+    def _negated_units(self, name: str) -> list[Wrong]:
+        """Returns what reads an input in another unit and with the opposite sign."""
+        units = [w for w in self.candidates(name) if w.kind == "unit"]
+        return [Wrong(f"opposite sign, {w.name}", "axes", -w.matrix) for w in units if w.matrix is not None]
 
     def _woken(self, tried: Sequence[tuple[Score, Changes]], wired: _Wired) -> Identified | None:
         """Returns what a wiring explains with which something comes out, where nothing does as wired: one change of
@@ -391,9 +397,11 @@ class Search(Identifier):
         return Score(np.inf, np.inf) if played is None else self.scored(played, self.given, changes)
 
     def _pairs(self, ends: float) -> tuple[list[tuple[Score, Changes]], bool]:
-        vectors = [n for n in self.inputs if self.ports[n].kind in ("vector", "rotation") and n not in self.base]
-        axes = {n: [w for w in self.candidates(n) if w.kind != "unit"] for n in vectors}
-        pairs = ({a: one, b: two} for a, b in combinations(vectors, 2) for one in axes[a] for two in axes[b])
+        """Looks at axes and signs of two inputs, those of the fewest first, until a pair explains all."""
+        free = [n for n in self.inputs if self.ports[n].kind in ("scalar", "vector", "rotation") and n not in self.base]
+        axes = {n: [w for w in self.candidates(n) if w.kind != "unit"] for n in free}
+        two = sorted(combinations(free, 2), key=lambda pair: len(axes[pair[0]]) * len(axes[pair[1]]))
+        pairs = ({a: one, b: other} for a, b in two for one in axes[a] for other in axes[b])
         found: list[tuple[Score, Changes]] = []
         while part := list(islice(pairs, 200)):
             found = sorted([*found, *self._ranked(part, COARSE)], key=lambda pair: pair[0].cost)[:8]
@@ -456,12 +464,13 @@ def _mended(outputs: Mapping[str, Wrong], name: str, values: Floats) -> Floats:
     return outputs[name].apply(values) if name in outputs else values
 
 
-def _worth(found: Identified) -> float:
-    """Returns what of several explanations is best: what is left, and how much is said."""
+def _worth(found: Identified) -> tuple[bool, float]:
+    """Returns what of several explanations is best: whether it may be stated, what is left, and how much is said."""
     left = max(found.after, SAME)
     hands = sum(left_handed(w) for w in found.inputs.values())
     mirror = _MIRROR if hands > 1 else 0.0
-    return left + CHANGE * found.said + 1e-4 * hands + mirror + MINUS * sum(map(minus_of, found.inputs.values()))
+    worth = left + CHANGE * found.said + 1e-4 * hands + mirror + MINUS * sum(map(minus_of, found.inputs.values()))
+    return not found.named, worth
 
 
 def open_search(ours: Source, theirs: Source, block: str, stack: ExitStack) -> Search:

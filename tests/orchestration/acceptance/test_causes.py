@@ -105,3 +105,23 @@ def test_noise_may_be_nearly_as_large_as_the_signal():
 def test_a_wrong_sign_or_unit_is_no_gain():
     assert found(-OURS)[0] == []
     assert found(1000.0 * OURS)[0] == []
+
+
+def test_elements_that_stick_at_values_of_their_own_are_told_one_by_one():
+    time = 0.1 * np.arange(600)
+    ours = np.stack([np.sin(time), np.cos(0.7 * time)], axis=1)
+    theirs = ours.copy()
+    theirs[100:] = ours[99]
+    causes, left = causes_of("torque", ours, theirs, time, None)
+    assert [(cause.kind, cause.where) for cause in causes] == [("stuck", "torque[1]"), ("stuck", "torque[2]")]
+    assert [f"{value:.4g}" in cause.text for cause, value in zip(causes, ours[99], strict=True)] == [True, True]
+    assert not left.any()
+
+
+def test_a_tie_is_told_as_such_and_as_what_another_element_has():
+    time = 0.1 * np.arange(600)
+    ours = np.stack([2.0 - np.cos(0.05 * time), np.sin(time)], axis=1)
+    theirs = np.clip(ours, -1.2, 1.2)  # the first one stays at its limit: it could be stuck, too
+    one, _ = causes_of("torque", ours[:, :1], theirs[:, :1], time, None)
+    assert {one[0].kind, *(kind for kind, _ in one[0].equally)} == {"stuck", "limit"}
+    assert "or equally well" in one[0].text
