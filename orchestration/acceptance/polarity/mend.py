@@ -210,6 +210,8 @@ def in_words(mended: Mended) -> list[str]:
         differs += f", {mended.first[0]} first by more than 1 % of its largest, at {mended.first[1]:.5g} s"
     if not mended.named:
         no = "no sign, axis, unit, attitude or other cause, alone or in the pairs that were tried, explains that"
+        if mended.after <= SMALL:
+            no = "several things together would explain that, and others could as well"
         return [f"{differs}; {no}: the best leaves {100 * mended.after:.3g} %, so none is named"]
     lines = [f"{differs}; with what follows taken out, by {100 * mended.after:.2g} %"]
     if mended.after > SMALL:

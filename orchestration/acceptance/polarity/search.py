@@ -33,6 +33,8 @@ SMALL = 0.01
 TOGETHER = 1e-6
 """The same where several things are stated, or a size that was fitted: two of them together come near to much that is
 neither. Those that were right left 5e-9 at most (docs/evidence/vendors.md)."""
+_MOST_SAID = 3
+"""Of more things that are said together some could make up for others."""
 PART = 0.02
 """And part of the difference as wired; of a wiring times that difference, since a small one could be anything."""
 _LARGE, _MOST_LEFT = 0.3, 0.15
@@ -83,13 +85,14 @@ class Identified:
         """Whether what is left is small enough for the causes to be stated."""
         part = PART * self.before * (min(self.before, 1.0) if self.inputs or self.outputs else 1.0)
         alone = self.said <= 1 and not any(cause.kind in _STRUCTURAL for cause in self.causes)
-        return self.before > SAME and self.after <= max(min(SMALL if alone else TOGETHER, part), SAME)
+        little = self.after <= max(min(SMALL if alone else TOGETHER, part), SAME)
+        return self.before > SAME and little and self.said <= _MOST_SAID
 
     @property
     def said(self) -> int:
         """How many things are stated, as one those that several ports have in common."""
         turns = {key_of(wrong) for wrong in self.inputs.values()}
-        return len(turns) + len(self.outputs) + len({(c.kind, c.where) for c in self.causes})
+        return len(turns) + len(self.outputs) + len({(c.kind, c.where.partition("[")[0]) for c in self.causes})
 
 
 _Rest = tuple[tuple[Cause, ...], float]
@@ -224,12 +227,13 @@ class Search(Identifier):
         if not found:
             return self._found({}, wired, wired.before)
         best = min(found, key=_worth)
+        outputs_of_best = {n: w.name for n, w in best.outputs.items()}
         alike = [
             one.inputs
             for one in found
             if one.after <= max(ALIKE, 1.05 * best.after)
-            and len(one.inputs) + len(one.outputs) == len(best.inputs) + len(best.outputs)
-            and len(one.causes) == len(best.causes)
+            and one.said == best.said
+            and (not one.outputs or {n: w.name for n, w in one.outputs.items()} == outputs_of_best)
             and {n: w.name for n, w in one.inputs.items()} != {n: w.name for n, w in best.inputs.items()}
         ]
         countered = (
