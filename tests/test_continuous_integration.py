@@ -73,3 +73,9 @@ def test_an_fmu_without_a_library_for_this_machine_is_refused_by_the_smoke_test(
             new.writestr(name.replace(f"binaries/{platform}/", "binaries/other/"), old.read(name))
     with pytest.raises(RuntimeError, match=f"expected a library for {platform}"):
         smoke.step(foreign)
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists() or not shutil.which("git"), reason="no clone")
+def test_nothing_is_kept_that_git_is_to_ignore():
+    words = ["git", "ls-files", "--cached", "--ignored", "--exclude-standard"]
+    assert subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout == ""

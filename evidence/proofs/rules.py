@@ -50,16 +50,25 @@ def findings() -> Found:
         for name in BLOCKS:
             folders = natives(Block.named(name).folder)
             include = [f"-I{path}" for path in (*folders, COMMON, temporary)]
-            places |= _of_tools(sorted(folders[0].rglob("*.c")), include)
-        places |= _of_tools([NATIVE / "frame.c", ELEMENTARY], [f"-I{NATIVE}"])
+            places |= _of_tools(sorted(folders[0].rglob("*.c")), include, temporary)
+        places |= _of_tools([NATIVE / "frame.c", ELEMENTARY], [f"-I{NATIVE}"], temporary)
     found.update((rule, file) for rule, file, _ in places)
     return found
 
 
-def _of_tools(sources: list[Path], include: list[str]) -> set[tuple[str, str, str]]:
-    """Rule, file and line of each finding."""
+def _of_tools(sources: list[Path], include: list[str], folder: str) -> set[tuple[str, str, str]]:
+    """Rule, file and line of each finding; cppcheck's own files go to a folder, since it leaves them where it is
+    stopped."""
     shape = "--template={id}|{file}|{line}:{column}"
-    words = ["-q", "--addon=misra", "--std=c11", "--platform=unix64", "--enable=style", shape]
+    words = [
+        "-q",
+        "--addon=misra",
+        "--std=c11",
+        "--platform=unix64",
+        "--enable=style",
+        f"--cppcheck-build-dir={folder}",
+        shape,
+    ]
     places = set()
     for line in _output([tool("cppcheck"), *words, *include, *map(str, sources)]).splitlines():
         rule, _, place = line.partition("|")
