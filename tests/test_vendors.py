@@ -10,9 +10,17 @@ from orchestration.session.open import open_scenario
 from orchestration.session.read import load, read
 
 from .vendors import kinds, wrapper
-from .vendors.judge import judge
+from .vendors.judge import Verdict, judge
 
 SCENARIO = Path(__file__).parents[1] / "scenarios" / "paper_no_singularity.yaml"
+
+
+def judged(case: kinds.Case, folder: Path, flavour: str = "FMI 2") -> Verdict:
+    """What is said of the FMU of a case, packed in the folder."""
+    ours = read(SCENARIO)
+    opened, block = open_scenario(load(ours)), case.vendor.block
+    starts = [(start.element, start.value) for start in opened.plan.starts[block]]
+    return judge(case, wrapper.pack(folder / "vendor.fmu", case.vendor, opened.fmus[block], starts, flavour), ours)
 
 
 def test_each_kind_can_be_made_alone_and_has_a_truth_of_every_port():
@@ -35,45 +43,33 @@ def test_each_kind_can_be_made_alone_and_has_a_truth_of_every_port():
 )
 @pytest.mark.compile
 def test_what_was_written_beforehand_is_said_and_nothing_false(kind, seed, flavour, tmp_path):
-    ours = read(SCENARIO)
-    opened = open_scenario(load(ours))
-    case = kinds.make(seed, [kind], units=True)
-    block = case.vendor.block
-    starts = [(start.element, start.value) for start in opened.plan.starts[block]]
-    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus[block], starts, flavour)
-    verdict = judge(case, path, ours)
+    verdict = judged(kinds.make(seed, [kind], units=True), tmp_path, flavour)
     assert not verdict.false
     assert (verdict.proposed, verdict.named) in ((True, None), (None, True)), verdict.said
 
 
 @pytest.mark.parametrize(
-    ("seed", "pair"),
+    ("seed", "pair", "units"),
     [
-        (9210155, ["other parameter"]),
-        (9210102, ["opposite sign, untold", "left-handed port, untold"]),
-        (9208064, ["position along the Earth's axes", "stuck"]),
-        (9208306, ["axes of a port, untold", "opposite sign, untold"]),
-        (9204042, ["saturated", "rate in N, untold"]),
-        (9204045, ["position along the Earth's axes", "rate relative to LVLH"]),
-        (9204060, ["single precision", "rate relative to LVLH"]),
-        (9204075, ["position along the Earth's axes", "left-handed port, untold"]),
-        (9204121, ["position along the Earth's axes", "unit, untold"]),
-        (9204085, ["orbit along the axes of J2000", "left-handed port, untold"]),
-        (9206140, ["bias of an axis", "position along the Earth's axes"]),
-        (9206085, ["orbit along the axes of J2000", "bias of an axis"]),
-        (9207189, ["unit, untold", "noise"]),
-        (9207344, ["unit, untold", "own sample time"]),
+        (9210155, ["other parameter"], True),
+        (9210102, ["opposite sign, untold", "left-handed port, untold"], True),
+        (9208064, ["position along the Earth's axes", "stuck"], True),
+        (9208306, ["axes of a port, untold", "opposite sign, untold"], False),
+        (9204042, ["saturated", "rate in N, untold"], True),
+        (9204045, ["position along the Earth's axes", "rate relative to LVLH"], True),
+        (9204060, ["single precision", "rate relative to LVLH"], True),
+        (9204075, ["position along the Earth's axes", "left-handed port, untold"], True),
+        (9204121, ["position along the Earth's axes", "unit, untold"], True),
+        (9204085, ["orbit along the axes of J2000", "left-handed port, untold"], True),
+        (9206140, ["bias of an axis", "position along the Earth's axes"], True),
+        (9206085, ["orbit along the axes of J2000", "bias of an axis"], True),
+        (9207189, ["unit, untold", "noise"], True),
+        (9207344, ["unit, untold", "own sample time"], True),
     ],
 )
 @pytest.mark.thorough
-def test_pairs_that_were_missed_once_are_named(seed, pair, tmp_path):
-    ours = read(SCENARIO)
-    opened = open_scenario(load(ours))
-    case = kinds.make(seed, pair, units=seed != 9208306)
-    block = case.vendor.block
-    starts = [(start.element, start.value) for start in opened.plan.starts[block]]
-    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus[block], starts, "FMI 2")
-    verdict = judge(case, path, ours)
+def test_pairs_that_were_missed_once_are_named(seed, pair, units, tmp_path):
+    verdict = judged(kinds.make(seed, pair, units=units), tmp_path)
     assert verdict.named, verdict.said
     assert not verdict.false
 
@@ -88,43 +84,28 @@ def test_pairs_that_were_missed_once_are_named(seed, pair, tmp_path):
 )
 @pytest.mark.thorough
 def test_what_cannot_be_told_apart_is_not_stated(seed, pair, units, tmp_path):
-    ours = read(SCENARIO)
-    opened = open_scenario(load(ours))
-    case = kinds.make(seed, pair, units=units)
-    block = case.vendor.block
-    starts = [(start.element, start.value) for start in opened.plan.starts[block]]
-    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus[block], starts, "FMI 2")
-    verdict = judge(case, path, ours)
+    verdict = judged(kinds.make(seed, pair, units=units), tmp_path)
     assert verdict.detected
     assert not verdict.false
 
 
 @pytest.mark.compile
 def test_a_turn_of_all_is_named_where_theirs_has_no_limit_at_which_ours_would_hold(tmp_path):
-    ours = read(SCENARIO)
-    opened = open_scenario(load(ours))
     case = kinds.make(1, ["axes of all, untold"], units=True)
     assert case.vendor.block == "allocator"
     for name in ("dipole_max", "wheel_torque_max"):
         case.vendor.changed[name, 0] = 100.0
-    starts = [(start.element, start.value) for start in opened.plan.starts["allocator"]]
-    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus["allocator"], starts, "FMI 2")
-    verdict = judge(case, path, ours)
+    verdict = judged(case, tmp_path)
     assert verdict.named, verdict.said
     assert not verdict.false
 
 
 @pytest.mark.thorough
 def test_of_one_that_never_gives_anything_it_is_told_that_it_is_stuck_and_no_wiring(tmp_path):
-    ours = read(SCENARIO)
-    opened = open_scenario(load(ours))
     case = kinds.make(3, ["names only"], units=True)
-    block = case.vendor.block
     outputs = [port for port in case.vendor.ports if port.causality == "output"]
     case.vendor.effects = [("dead", port.ours, i, 1e9) for port in outputs for i in range(port.size)]
     case.causes = [("stuck", port.ours, 0.0) for port in outputs]
-    starts = [(start.element, start.value) for start in opened.plan.starts[block]]
-    path = wrapper.pack(tmp_path / "vendor.fmu", case.vendor, opened.fmus[block], starts, "FMI 2")
-    verdict = judge(case, path, ours)
+    verdict = judged(case, tmp_path)
     assert not verdict.false
     assert [words for words in verdict.said if "stuck at 0" in words] == verdict.said != []

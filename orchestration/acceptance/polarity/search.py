@@ -227,18 +227,16 @@ class Search(Identifier):
         if not found:
             return self._found({}, wired, wired.before)
         best = min(found, key=_worth)
-        outputs_of_best = {n: w.name for n, w in best.outputs.items()}
         alike = [
             one.inputs
             for one in found
             if one.after <= max(ALIKE, 1.05 * best.after)
             and one.said == best.said
-            and (not one.outputs or {n: w.name for n, w in one.outputs.items()} == outputs_of_best)
-            and {n: w.name for n, w in one.inputs.items()} != {n: w.name for n, w in best.inputs.items()}
+            and (not one.outputs or _names(one.outputs) == _names(best.outputs))
+            and _names(one.inputs) != _names(best.inputs)
         ]
-        countered = (
-            [other for inputs in (best.inputs, *alike) for other in self._countered(inputs)] if best.named else []
-        )
+        known = (best.inputs, *alike) if best.named else ()
+        countered = [other for inputs in known for other in self._countered(inputs)]
         return replace(best, equally=(*alike, *countered))
 
     def _countered(self, inputs: Changes) -> Iterator[Changes]:
@@ -457,6 +455,10 @@ def _of_the_angle(reading: Reading, changes: Changes) -> bool:
     read = [changes[n].matrix for n in reading.where.split(" and ") if n in changes and len(reading.starts) > 1]
     turns = [M for M in read if M is not None and M.shape == (3, 3) and np.linalg.det(M) > 0.0]
     return any(np.allclose(M[2], (0.0, 0.0, 1.0)) for M in turns)
+
+
+def _names(changes: Changes) -> dict[str, str]:
+    return {name: wrong.name for name, wrong in changes.items()}
 
 
 def _is_silent(outputs: Mapping[str, Floats]) -> bool:
