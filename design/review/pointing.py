@@ -114,8 +114,8 @@ def section(facts: Facts, options: Options, flown: Mapping[str, Flown], rows: Ro
         if ALL not in by_case:
             continue
         total = _statistics(options, by_case[ALL])
-        listed = [[index, *map(_deg, total[index]), *_after_tumbles(kind, index, rows, options.confidence)]
-                  for index in budget.INDICES]  # fmt: skip
+        after = {index: _after_tumbles(kind, index, rows, options.confidence) for index in budget.INDICES}
+        listed = [[index, *map(_deg, total[index]), *after[index]] for index in budget.INDICES]
         columns = ["error", "ensemble, deg", "temporal, deg", "mixed, deg"]
         columns += [f"{percent} of tumbles, deg", "worst tumble, deg"]
         tables.append(Table(f"Errors of {kind}", columns, listed))

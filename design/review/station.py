@@ -91,7 +91,7 @@ def tracking(facts: Facts, flown: Mapping[str, Flown], why: str) -> tuple[Sectio
     error = one[judge][seen]
     rate = np.linalg.norm(one[f"{facts.plant}.omega_B"][seen], axis=1)
     rows = [
-        ["time above 10 deg of elevation, tracked", f"{one.time[seen][-1] - one.time[seen][0]:.0f} s"],
+        [f"time above {HORIZON:g} deg of elevation, tracked", f"{one.time[seen][-1] - one.time[seen][0]:.0f} s"],
         ["highest elevation", f"{math.degrees(one['supervisor.target_elevation'][seen].max()):.1f} deg"],
         ["error, median", f"{math.degrees(np.median(error)):.3g} deg"],
         ["error, rms", f"{math.degrees(math.sqrt(float(np.mean(error**2)))):.3g} deg"],

@@ -98,17 +98,18 @@ def causes_of(name: str, ours: Floats, theirs: Floats, time: Floats, unit: Unit 
     causes: list[Cause] = []
     for i, (kind, value, text, rest, equally) in made:
         share = float(np.sqrt((rest * rest).mean())) / size
-        alike = [
-            one
-            for one in causes
-            if one.kind == kind and np.isclose(one.size, value, rtol=_SPREAD.get(kind, 0.02)) and not _apart(one, text)
-        ]
+        alike = [one for one in causes if _is_same(one, kind, value) and not _apart(one, text)]
         if alike and kind not in ("gain", "bias"):
             causes[causes.index(alike[0])] = replace(alike[0], where=name, left=max(share, alike[0].left))
         else:
             where = f"{name}[{i + 1}]" if ours.shape[1] > 1 else name
             causes.append(Cause(kind, where, value, text, share, equally))
     return causes, left
+
+
+def _is_same(one: Cause | _Found, kind: str, size: float) -> bool:
+    """Whether a cause is of this kind, and of this size as near as it is known from another element."""
+    return one.kind == kind and bool(np.isclose(one.size, size, rtol=_SPREAD.get(kind, 0.02)))
 
 
 def _apart(cause: Cause, text: str) -> bool:
@@ -120,7 +121,7 @@ def _as_others(one: _Found, every: Sequence[_Found]) -> _Found:
     """Returns a cause of an element as that which another element has, where this serves equally well."""
     for kind, size in one.equally:
         for other in every:
-            if other.kind == kind and not other.equally and np.isclose(other.size, size, rtol=_SPREAD.get(kind, 0.02)):
+            if _is_same(other, kind, size) and not other.equally:
                 return other._replace(rest=one.rest)
     return one
 
