@@ -177,11 +177,21 @@ def _registry() -> Any:
 def _meant(text: str) -> str:
     """ "; did you mean 'N.m'?" of the names of two units that are run together, of one in another case, or misspelt."""
     found = [*_run_together(text), *(name for name in UNITS if name.casefold() == text.casefold() and name != text)]
+    if not found and (other := re.sub(r"[^\W\d_]+", lambda match: _in_other_case(match[0], text), text)) != text:
+        found = [other]
     for name in re.findall(r"[^\W\d_]{3,}", text) if not found else ():
         turned = [known for known in UNITS if sorted(known) == sorted(name)]  # "dge" is no "dg"
         if name not in UNITS and (near := turned or get_close_matches(name, UNITS, 1, 0.7)):
             found.append(text.replace(name, near[0], 1))
     return f"; did you mean {' or '.join(map(repr, found[:3]))}?" if found else ""
+
+
+def _in_other_case(name: str, text: str) -> str:
+    """The unit of this name in another case; where all of the text is in capitals, "S" is taken for a second."""
+    if name in UNITS and not text.isupper():
+        return name
+    known = [unit for unit in UNITS if unit.casefold() == name.casefold()]
+    return min(known, key=lambda unit: (unit != unit.lower(), unit), default=name)
 
 
 def _run_together(text: str) -> list[str]:

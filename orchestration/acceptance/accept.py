@@ -17,6 +17,7 @@ from ..fmu import zipped
 from ..fmu.platforms import PLATFORM
 from ..scenario.source import Source
 from ..scenario.text import parse
+from ..session.open import open_scenario
 from ..session.read import load
 from ..swap.findings import Finding, Fit, unfed
 from ..swap.option import Swap, swapped
@@ -81,6 +82,7 @@ class Acceptance:
 
 def accept(path: Path, as_: str, map_: Path | None, source: Source, block: str) -> Acceptance:
     """Looks at an FMU for a scenario's block. Raises InputError where it cannot be looked at at all."""
+    open_scenario(load(source))  # what is wrong in it is not the FMU's
     findings, fitted = check(path, as_, map_, tolerance=1e-6)
     made = Acceptance(facts(str(path), lenient=True), block, load(source).name, findings, fitted)
     made.mapping, made.license = str(map_ or ""), _license(path)

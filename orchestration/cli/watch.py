@@ -22,7 +22,7 @@ from ..instances.record.recorder import complete
 from ..scenario.scenario import Scenario
 from ..session.limits import limits
 from .console import complain
-from .status import BLOCK_FAILED
+from .status import BLOCK_FAILED, INTERNAL
 
 _LOST = "nothing of this run is written, earlier results are kept"
 _WAITED = {getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGCHLD") if hasattr(signal, name)}
@@ -36,7 +36,8 @@ def watched(scenario: Scenario, records: Iterable[Path] = (), lost: str = _LOST)
     where the command is called by another program's Python.
     """
     blocks = scenario.blocks.items()
-    guests = any((entry.python or is_path(entry.fmu)) and limits(scenario, name) is None for name, entry in blocks)
+    guests = [name for name, entry in blocks if entry.python or is_path(entry.fmu)]
+    guests = [name for name in guests if limits(scenario, name) is None]
     if not guests or not hasattr(signal, "sigwaitinfo") or sys.stdout is not sys.__stdout__:
         yield
         return
@@ -44,7 +45,7 @@ def watched(scenario: Scenario, records: Iterable[Path] = (), lost: str = _LOST)
     print(end="", flush=True, file=sys.stderr)
     master, before = os.getpid(), signal.pthread_sigmask(signal.SIG_BLOCK, _WAITED)
     if child := os.fork():
-        _wait(child, before, records, lost)
+        _wait(child, before, records, lost, " or ".join(guests))
     signal.pthread_sigmask(signal.SIG_SETMASK, before)
     end_with(master)
     try:
@@ -53,7 +54,7 @@ def watched(scenario: Scenario, records: Iterable[Path] = (), lost: str = _LOST)
         TRACE.finish()
 
 
-def _wait(child: int, before: set[int], records: Iterable[Path], lost: str) -> NoReturn:
+def _wait(child: int, before: set[int], records: Iterable[Path], lost: str, guests: str) -> NoReturn:
     """Ends as the child does, or with the status of an FMU that failed; passes on what other processes send.
 
     The terminal sends its signals to both. `before` is the mask of signals without those that are waited for here.
@@ -68,6 +69,9 @@ def _wait(child: int, before: set[int], records: Iterable[Path], lost: str) -> N
     for record in records:
         with suppress(OSError):
             complete(record)
+    if status == INTERNAL:
+        complain(f"{guests} shares this process and may have changed it; remedy: isolation: process")
+        os._exit(BLOCK_FAILED)
     killed = -status == signal.SIGKILL
     if TRACE.done or killed or -status in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         if killed and not TRACE.done:

@@ -32,6 +32,7 @@ class Trace:
     def __init__(self) -> None:
         self.page = mmap.mmap(-1, self.SIZE)
         self._names: list[tuple[str, str, float]] = []
+        self._calls = 0
 
     @property
     def done(self) -> bool:
@@ -44,6 +45,22 @@ class Trace:
     def at(self, block: str, call: str, time: float | None = None) -> None:
         """A call begins outside of the loop in C."""
         self._put(1, f"{block}: {call}" + ("" if time is None else f" at {time:.10g} s"), 1000)
+        self._calls += 1
+        self.page[1010] = 1
+
+    def renew(self) -> None:
+        """Takes memory of this process alone."""
+        self.page = mmap.mmap(-1, self.SIZE)
+
+    def rest(self) -> None:
+        """It has returned."""
+        self.page[1010] = 0
+
+    @property
+    def running(self) -> tuple[int, str] | None:
+        """The call that runs, another one each time, as its number outside of the loop in C and its text."""
+        inside = any(self._active(number)[1] for number in range(len(self._names)))
+        return (self._calls, self.text) if inside or self.page[1010] else None
 
     def place(self, block: str, prefix: str, step: float) -> int:
         """Returns where a guest of the loop in C tells the call that runs; `step` is the base step, s."""
@@ -66,10 +83,13 @@ class Trace:
     def text(self) -> str:
         """The call that runs, or that began last."""
         for number, (block, prefix, step) in enumerate(json.loads(self._text(1024) or "[]")):
-            begun, active = struct.unpack_from("<qq", self.page, self.GUESTS + self.ROOM * number)
+            begun, active = self._active(number)
             if active:
                 return f"{block}: {prefix}{CALLS[active - 1]} at {begun * step:.10g} s"
         return self._text(1)
+
+    def _active(self, number: int) -> tuple[int, int]:
+        return struct.unpack_from("<qq", self.page, self.GUESTS + self.ROOM * number)
 
 
 TRACE = Trace()
@@ -84,6 +104,7 @@ class Guest(Slave):
         try:
             super().__init__(name, *arguments)
         finally:
+            TRACE.rest()
             around.look(name, "instantiating it")
 
     def _looked(self, call: str, work: Callable[[], T]) -> T:
@@ -91,6 +112,7 @@ class Guest(Slave):
         try:
             return work()
         finally:
+            TRACE.rest()
             self.around.look(self.name, call)
 
     def _plain(self, call: str, *arguments: Any) -> None:
@@ -114,6 +136,7 @@ class Guest(Slave):
             try:
                 step_on(time, step)
             finally:
+                TRACE.rest()
                 around.look_at_rounding(self.name, call)
 
         return do_step
@@ -126,6 +149,7 @@ class Guest(Slave):
             try:
                 make(time)
             finally:
+                TRACE.rest()
                 around.look_at_rounding(self.name, call)
 
         return stride

@@ -25,6 +25,7 @@ from ..fmu.model import Element, Floats, Model
 from ..fmu.zipped import size_text
 from .channel import ANSWER, CALL, DONE, GETTING, SETTING, STEP, STEPPING, Closed, Memory, Setup, receive, sealed, send
 from .listener import Listener
+from .own_parameters import SUFFIX
 from .process import GRACE, Limits, Process
 from .record.recorder import Record, complete
 from .watchdog import Watchdog
@@ -58,7 +59,7 @@ class IsolatedBlock:
         self.model: Model = fmu.model
         self.failure: BlockError | None = None
         """What went wrong when it was closed."""
-        self._limits, self._record = limits, record
+        self._limits, self._record, self._is_law = limits, record, str(fmu.library).endswith(SUFFIX)
         self._instantiated = self._stepping = False
         home = folder.with_name(f"{folder.name}.home")
         home.mkdir()
@@ -271,6 +272,8 @@ class IsolatedBlock:
 
     def _call(self) -> str:
         part = self._memory.part[0]
+        if part and self._is_law:
+            return "step"
         verb = {SETTING: "Set", STEPPING: "DoStep", GETTING: "Get"}.get(part)
         return f"{self.model.prefix}{verb}" if verb else self._memory.call or "between two calls"
 

@@ -131,13 +131,19 @@ class Worker:
         self._fmu.set(values)
 
     def _do_get(self, elements: list[Element]) -> list[float]:
+        self._initializing()
         return self._fmu.get(elements)
 
     def _do_enter(self, stop: float) -> None:
         self._fmu.enter(stop)
 
     def _do_leave(self) -> None:
+        self._initializing()
         self._fmu.leave()
+
+    def _initializing(self) -> None:
+        if isinstance(self._slave, Law):
+            self._memory.call = "step"
 
     def _do_reset(self) -> None:
         self._fmu.reset()

@@ -51,7 +51,7 @@ class BlockEntry(Model):
     flavour: Flavour | None = None
     """Which build of one of the project's own blocks; default: the scenario's."""
     isolation: Isolation | None = None
-    """Whether the FMU runs in a process of its own; default: the scenario's."""
+    """Whether the FMU or the law runs in a process of its own; default: the scenario's."""
     validation: Literal["strict", "lenient"] = "strict"
     """Whether an FMU whose modelDescription.xml is not valid is refused, or runs as far as it can be read, each
     finding a warning."""
@@ -129,7 +129,8 @@ class Scenario(Extending):
     flavour: Flavour = "native"
     """Which build of the project's own blocks is run: compiled C, or the Python reference."""
     isolation: Isolation | None = None
-    """Whether FMUs run in processes of their own. Default: those given by a path do, the project's own blocks do not.
+    """Whether blocks run in processes of their own. Default: laws in Python and FMUs given by a path do, the project's
+    own blocks do not.
     """
     realtime: Realtime | None = None
     """How a run is paced by wall time. Default: it is as fast as it goes. Only `orchestrate run` and

@@ -18,12 +18,12 @@ MEMORY = 4 * 10**9
 def limits(scenario: Scenario, name: str) -> Limits | None:
     """The limits of a block's process; None where it has none of its own. Raises InputError."""
     entry = scenario.blocks[name]
-    default = "process" if is_path(entry.fmu) else "none"
+    default = "process" if entry.python or is_path(entry.fmu) else "none"
     if (entry.isolation or scenario.isolation or default) == "process":
         return Limits(entry.timeout or TIMEOUT, entry.memory or _memory())
     for key in ("timeout", "memory"):
         if getattr(entry, key) is not None:
-            message = "only an FMU in a process of its own has this limit; remedy: isolation: process"
+            message = "only an FMU or a law in a process of its own has this limit; remedy: isolation: process"
             raise InputError(scenario.error(("blocks", name, key), message))
     return None
 

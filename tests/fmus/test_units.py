@@ -182,6 +182,9 @@ def test_a_power_of_a_power_is_not_computed(name: str) -> None:
     ("name", "told"),
     [
         ("KM", "unknown unit 'KM'; did you mean 'km'?"),
+        ("DEG/S", "unknown unit 'DEG/S'; did you mean 'deg/s'?"),
+        ("Deg/s2", "unknown unit 'Deg/s2'; did you mean 'deg/s2'?"),
+        ("n.m", "unknown unit 'n.m'; did you mean 'N.m'?"),
         ("dge/s", "unknown unit 'dge/s'; did you mean 'deg/s'?"),
         ("N.m/rda", "unknown unit 'N.m/rda'; did you mean 'N.m/rad'?"),
         ("NT", "unknown unit 'NT'; did you mean 'N.T' or 'nT'?"),

@@ -8,29 +8,79 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection
+from time import monotonic
 from typing import Any, ParamSpec, TypeVar, cast
 
 from ...errors import BlockError, InputError
 from ...fmu.interfaces import is_path
+from ...instances.guest import TRACE
+from ...scenario.load import load
 from ...scenario.source import Source
+from ...session.limits import TIMEOUT, limits
 from .fly import Found, Loop
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 
-def apart(block: str, task: Callable[P, T], *args: P.args, **named: P.kwargs) -> T:
-    """Returns what a task gives in a process of its own. Raises BlockError where that ends."""
+def apart(source: Source, task: Callable[P, T], *args: P.args, **named: P.kwargs) -> T:
+    """Returns what a task gives in a process of its own, in which the FMU of another team of `source` runs. Raises
+    BlockError where that ends, or a call takes too long."""
+    with guarded(source, 1) as pool:
+        return pool.submit(task, *args, **named).result()
+
+
+@contextmanager
+def guarded(source: Source, workers: int, begin: Callable[..., None] | None = None, *args: Any) -> Iterator[Executor]:
+    """Gives processes in which the FMU of another team of `source` runs; each begins with `begin`.
+
+    Raises BlockError where one of them ends, or a call of the FMU takes longer than it may.
+    """
+    told, into = multiprocessing.Pipe(duplex=False)
     try:
-        with ProcessPoolExecutor(1) as pool:
-            return pool.submit(task, *args, **named).result()
+        with ProcessPoolExecutor(workers, initializer=_begin, initargs=(into, _patience(source), begin, args)) as pool:
+            yield pool
     except BrokenProcessPool:
-        raise BlockError(block, "a run alone", "ended the process in which it ran; the FMU has crashed") from None
+        name = " or ".join(_foreign(source)) or "a block"
+        if not told.poll():
+            raise BlockError(name, "a run", "ended the process of its trials", None) from None
+        call, seconds = told.recv()
+        call, _, time = call.removeprefix(f"{name}: ").partition(" at ")
+        problem = f"did not return within {seconds:.10g} s (the block's 'timeout'), so its process was ended"
+        raise BlockError(name, call, problem, float(time.split()[0]) if time else None) from None
+    finally:
+        told.close()
+        into.close()
+
+
+def _patience(source: Source) -> float:
+    """Seconds that a call may take: the longest that a block has."""
+    scenario = load(source)
+    return max((found.timeout for name in scenario.blocks if (found := limits(scenario, name))), default=TIMEOUT)
+
+
+def _begin(into: Connection, seconds: float, begin: Callable[..., None] | None, args: Sequence[Any]) -> None:
+    TRACE.renew()
+    threading.Thread(target=_watch, args=(into, seconds), daemon=True).start()
+    if begin is not None:
+        begin(*args)
+
+
+def _watch(into: Connection, seconds: float) -> None:
+    """Ends this process where a call of an FMU takes too long, and tells which."""
+    last, since = None, monotonic()
+    while not threading.Event().wait(min(0.2, seconds / 4)):
+        if last is None or TRACE.running != last:
+            last, since = TRACE.running, monotonic()
+        elif monotonic() - since > seconds:
+            into.send((last[1], seconds))
+            os._exit(1)
 
 
 def within(seconds: float, task: Callable[P, T], *args: P.args, **named: P.kwargs) -> T | None:
@@ -66,7 +116,7 @@ def flown(source: Source) -> tuple[Found | None, BlockError | None]:
 
     Raises InputError and BlockError.
     """
-    return apart("polarity", _fly, source)
+    return apart(source, _fly, source)
 
 
 def _fly(source: Source) -> tuple[Found | None, BlockError | None]:
@@ -80,10 +130,14 @@ def inside(source: Source) -> Source:
 
     Where there are more, each keeps its own process: modules of one name would get in each other's way.
     """
-    blocks = source.data["blocks"]
-    foreign = [name for name, entry in blocks.items() if is_path(str(entry.get("fmu", "")))]
+    foreign = _foreign(source)
     if len(foreign) != 1:
         return source
     for key, value in (("isolation", "none"), ("timeout", None), ("memory", None)):
         source = source.with_entry(("blocks", foreign[0], key), value)
     return source
+
+
+def _foreign(source: Source) -> list[str]:
+    """Returns the blocks that are FMUs of other teams."""
+    return [name for name, entry in source.data["blocks"].items() if is_path(str(entry.get("fmu", "")))]

@@ -65,7 +65,7 @@ def mend(ours: Source, theirs: Source, block: str, seconds: float = SECONDS) -> 
 
     Raises InputError and BlockError.
     """
-    found = apart(block, identify, ours, inside(theirs), block, seconds)
+    found = apart(theirs, identify, ours, inside(theirs), block, seconds)
     loop = Loop(theirs)
     fit = loop.opened.prepared.fits[block]
     present = fit.mapping or PortMapping()

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import cache
 
-from ...errors import BlockError, InputError, hint
+from ...errors import InputError, hint
 from ...scenario.source import Source
-from .apart import inside
+from .apart import guarded, inside
 from .fly import Found, Loop
 from .ports import Port, ports
 from .reasons import Nominal, Unobservable
@@ -113,12 +112,10 @@ def _flown(source: Source, loop: Loop, parts: list[tuple[Port, list[Wrong]]], wo
             yield _fly(loop, nominal, *part)
         return
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # threads of BLAS would only take the processes' cores
-    with ProcessPoolExecutor(min(workers, len(parts)), initializer=_open, initargs=(inside(source),)) as pool:
+    with guarded(source, min(workers, len(parts)), _open, inside(source)) as pool:
         try:
             for future in as_completed([pool.submit(_fly_here, *part) for part in parts]):
                 yield future.result()
-        except BrokenProcessPool:
-            raise BlockError("polarity", "a run", "ended the process in which it ran; an FMU has crashed") from None
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise

@@ -121,6 +121,8 @@ TEAMS = {
         "const double gain = 0.5 + 3e7 * size;\n"
         "for (int i = 0; i < 3; ++i) { y->tau_cmd_B[i] *= gain; }",
     ),
+    "waits": Team("allocator", "static int calls; if (++calls > 60) { for (;;) { } }"),
+    "leaves": Team("allocator", "static int calls; if (++calls > 60) { _Exit(0); }"),
 }
 
 
@@ -181,6 +183,7 @@ def _source(team: Team, copied: list[str]) -> str:
     copies = "\n".join(f"memcpy(&in.{name}, &u->{name}, sizeof in.{name});" for name in copied)
     return f"""
 #include "team.h"
+#include <stdlib.h>
 #include <string.h>
 static {Block}Inputs read_inputs(const TeamInputs *u)
 {{

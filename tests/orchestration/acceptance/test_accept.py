@@ -67,6 +67,19 @@ def test_an_fmu_that_does_not_fit_is_not_flown(folder: Path):
     assert found["the loop flies with it"]["status"] == ""
 
 
+def test_what_is_wrong_in_the_scenario_is_not_said_of_the_fmu(folder: Path):
+    vendor.write(folder)
+    text = Path("loop.yaml").read_text("utf-8")
+    late = "expect:\n  - {name: late, signal: motor.speed, after: 999 s, always: {below: 9}}\n"
+    assert "expect:\n" in text
+    Path("loop.yaml").write_text(text.replace("expect:\n", late))
+    words = ["accept", "vendor.fmu", "--as", "regulator.fmu", "--map", "mapping.yaml", "--scenario", "loop.yaml"]
+    done = CliRunner().invoke(main, words)
+    assert done.exit_code == 2
+    assert "loop.yaml:" in done.stderr
+    assert "999 s" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("direct", "trial", "text"),
     [

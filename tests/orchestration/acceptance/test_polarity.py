@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import re
+import sys
+import time
 from pathlib import Path
 from random import Random
 
@@ -264,6 +266,26 @@ def test_a_team_s_quaternion_with_its_scalar_last_is_proposed_and_mended_without
     assert parse(as_yaml(mended.mapping)).data == {
         "ports": {"R_NB": {"theirs": "att", "quaternion": "scalar last", "inverse": inverse}}
     }
+
+
+@pytest.mark.compile
+@pytest.mark.skipif(sys.platform == "win32", reason="the FMU is compiled for POSIX")
+@pytest.mark.parametrize(
+    ("team", "told"),
+    [
+        ("waits", r"allocator: fmi2DoStep at \d[.\d]* s: did not return within 2 s \(the block's 'timeout'\), so its"),
+        ("leaves", "allocator: .*: ended the process of its trials"),
+    ],
+)
+def test_an_fmu_that_does_not_return_or_ends_the_process_is_named_within_its_time(team, told, tmp_path):
+    """It is flown in the process of the search, where no other one watches it."""
+    data = {"name": "x", "extends": str(SCENARIOS / "paper_no_singularity.yaml"), "duration": 20}
+    data |= {"expect": None, "figures": None, "blocks": {"allocator": {"isolation": "process", "timeout": 2}}}
+    (tmp_path / "x.yaml").write_text(json.dumps(data))
+    fmu, begun = teams.build(team, tmp_path), time.monotonic()
+    done = orchestrate("polarity", tmp_path / "x.yaml", "--swap", f"allocator={fmu}", "--out", tmp_path / "out")
+    assert (done.exit_code, bool(re.search(told, done.stderr))) == (3, True), done.stderr
+    assert time.monotonic() - begun < 40.0
 
 
 @pytest.mark.compile

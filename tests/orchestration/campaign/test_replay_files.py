@@ -52,6 +52,8 @@ def test_a_run_with_a_law_and_a_record_is_replayed(own):
 @pytest.mark.fly
 @pytest.mark.skipif(sys.platform != "linux", reason="a campaign is waited for on Linux alone")
 def test_a_law_that_ends_the_process_does_not_end_the_campaign_with_status_0(own):
+    own_scenario = Path("own.yaml").read_text()
+    Path("own.yaml").write_text(own_scenario.replace("my_law.py", "my_law.py\n    isolation: none"))
     Path("my_law.py").write_text(LAW.replace("    return", "    if t > 1: __import__('os')._exit(0)\n    return"))
     line = [sys.executable, "-m", "orchestration", "campaign", str(own), "--workers", "0", "--runs", "3"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}

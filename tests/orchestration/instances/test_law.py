@@ -172,7 +172,8 @@ def test_an_error_in_flight_has_the_time_and_the_line(tmp_path):
 @pytest.mark.skipif(sys.platform == "win32", reason="the folder is not looked at there")
 def test_a_law_that_changes_the_working_folder_is_told_and_it_is_restored(tmp_path):
     here = Path.cwd()
-    result = flown(tmp_path, "import os\n" + DAMPING.replace("    return", "    os.chdir('/')\n    return"), 2.0)
+    law = "import os\n" + DAMPING.replace("    return", "    os.chdir('/')\n    return")
+    result = flown(tmp_path, law, 2.0, isolation="none")
     assert Path.cwd() == here
     assert "controller: the run changed the working folder; it was restored" in result.warnings
 
@@ -224,7 +225,7 @@ def test_copies_of_the_process_that_it_makes_write_nothing(tmp_path, isolation):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="threads are not looked at there")
 def test_the_program_does_not_wait_for_threads_that_it_leaves_and_says_so(tmp_path):
-    flown(tmp_path, DAMPING, 2.0)
+    flown(tmp_path, DAMPING, 2.0, isolation="none")
     begin = "import threading, time\nthreading.Thread(target=time.sleep, args=(1000,), name='mine').start()\n"
     (tmp_path / "my_law.py").write_text(begin + DAMPING)
     done = command(tmp_path)
@@ -234,7 +235,7 @@ def test_the_program_does_not_wait_for_threads_that_it_leaves_and_says_so(tmp_pa
 
 @pytest.mark.skipif(sys.platform == "win32", reason="files are not looked at there")
 def test_what_it_takes_from_the_process_while_it_is_read_is_given_back(tmp_path):
-    flown(tmp_path, DAMPING, 2.0)
+    flown(tmp_path, DAMPING, 2.0, isolation="none")
     begin = "import resource, sys\nfile = resource.RLIMIT_FSIZE\n"
     begin += "resource.setrlimit(file, (100, resource.getrlimit(file)[1]))\nsys.stdout = None\n"
     (tmp_path / "my_law.py").write_text(begin + DAMPING)
@@ -245,10 +246,59 @@ def test_what_it_takes_from_the_process_while_it_is_read_is_given_back(tmp_path)
     assert "results in out" in done.stdout
 
 
+HOSTILE = {
+    "dumps": "import json; json.dumps = lambda *a, **k: 1 / 0",
+    "modules": "import sys; sys.modules.clear()",
+    "recursion": "import sys; sys.setrecursionlimit(60)",
+    "files": "import os; os.closerange(0, 200)",
+    "isinstance": "import builtins; builtins.isinstance = lambda *a: False",
+    "builtins": "import builtins; vars(builtins).clear()",
+    "numpy": "import numpy; numpy.asarray = lambda *a, **k: 1",
+    "verdict": "import orchestration.session.run as r; r.Result.passed = True",
+    "end": "import os; os._exit(0)",
+    "atexit": "import atexit, os; atexit.register(lambda: os._exit(0))",
+    "crash": "import ctypes; ctypes.string_at(0)",
+    "replace": "import os; os.replace = os.rename = lambda *a: 1 / 0",
+}
+UNMET = [{"name": "unmet", "signal": "plant.omega_B", "measure": "norm", "always": {"above": "100 rad/s"}}]
+
+
+@pytest.mark.parametrize("attack", HOSTILE)
+def test_a_law_that_spoils_its_process_loses_no_sample_and_chooses_no_verdict(attack, tmp_path):
+    """It fails by its name, with all samples before, or what it did has no effect on the run."""
+    flown(tmp_path, DAMPING, 2.0)
+    data = json.loads((tmp_path / "own.yaml").read_text())
+    (tmp_path / "own.yaml").write_text(json.dumps({**data, "expect": UNMET}))
+    lines = ["def step(inputs, parameters, t, h):", f"    if t > 1.05:\n        {HOSTILE[attack]}"]
+    (tmp_path / "my_law.py").write_text("\n".join([*lines, "    return {'tau_cmd_B': [0, 0, 0]}\n"]))
+    done = command(tmp_path)
+    rows = len((tmp_path / "out" / "signals.csv").read_text().splitlines()) - 1
+    assert done.returncode in (1, 3), done.stderr
+    assert ("controller: " in done.stderr) == (done.returncode == 3)
+    assert rows >= (11 if done.returncode == 3 else 21)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a run is waited for on Linux alone")
+def test_a_law_that_spoils_the_process_of_the_run_is_named_where_it_asked_for_that(tmp_path):
+    flown(tmp_path, DAMPING, 2.0, isolation="none")
+    (tmp_path / "my_law.py").write_text(HOSTILE["dumps"] + "\n" + DAMPING)
+    done = command(tmp_path)
+    assert done.returncode == 3
+    assert "controller shares this process and may have changed it; remedy: isolation: process" in done.stderr
+
+
+@pytest.mark.parametrize("where", ["in initialization", "at 1 s"])
+def test_a_law_that_does_not_return_is_named_through_python_and_what_was_computed_is_kept(where, tmp_path):
+    late = -1 if "init" in where else 1
+    law = f"import time\ndef step(inputs, parameters, t, h):\n    if t > {late}: time.sleep(99)\n"
+    with pytest.raises(BlockError, match=f"controller: step {where}: did not return within 1 s"):
+        flown(tmp_path, law + "    return {'tau_cmd_B': [0, 0, 0]}\n", 2.0, timeout="1 s")
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="a run is waited for on Linux alone")
 @pytest.mark.parametrize("late", [False, True], ids=["in initialization", "in a step"])
 def test_a_law_that_ends_the_process_does_not_end_the_run_with_status_0(tmp_path, late):
-    flown(tmp_path, DAMPING, 2.0)
+    flown(tmp_path, DAMPING, 2.0, isolation="none")
     (tmp_path / "my_law.py").write_text(
         f"import os\ndef step(inputs, parameters, t, h):\n    if t > {1.0 if late else -1.0}:\n        os._exit(0)\n"
         "    return {'tau_cmd_B': [0, 0, 0]}\n"

@@ -14,17 +14,19 @@ from orchestration.session.open import open_scenario
 from .. import fmus
 
 
-def test_only_fmus_given_by_a_path_are_isolated_unless_the_scenario_says_so():
+def test_only_laws_and_fmus_given_by_a_path_are_isolated_unless_the_scenario_says_so():
     blocks = {
         "ours": {"fmu": "plant"},
         "ours_apart": {"fmu": "plant", "isolation": "process"},
         "theirs": {"fmu": "vendor.fmu", "timeout": "5 min", "memory": "1.5 GiB"},
+        "law": {"python": "law.py", "timeout": 5},
         "trusted": {"fmu": "vendor.fmu", "isolation": "none"},
     }
     data = {"name": "x", "step": 1, "duration": 1, "blocks": blocks}
     found = {name: limits(load(data), name) for name in blocks}
     assert found["ours"] is found["trusted"] is None
     assert found["theirs"] == Limits(300.0, 3 * 2**29)
+    assert found["law"].timeout == 5.0
     assert found["ours_apart"].timeout == TIMEOUT
     assert found["ours_apart"].memory <= MEMORY
     assert limits(load({**data, "isolation": "process"}), "ours") is not None
@@ -33,8 +35,14 @@ def test_only_fmus_given_by_a_path_are_isolated_unless_the_scenario_says_so():
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
-        ({"isolation": "none", "timeout": 5}, "blocks.a.timeout: only an FMU in a process of its own has this limit"),
-        ({"isolation": "none", "memory": "1 GB"}, "blocks.a.memory: only an FMU in a process of its own has this"),
+        (
+            {"isolation": "none", "timeout": 5},
+            "blocks.a.timeout: only an FMU or a law in a process of its own",
+        ),
+        (
+            {"isolation": "none", "memory": "1 GB"},
+            "blocks.a.memory: only an FMU or a law in a process of its own",
+        ),
         ({"timeout": 0}, "blocks.a.timeout: expected a time above zero"),
         ({"memory": "much"}, "blocks.a.memory: expected an amount of memory such as '2 GB', found 'much'"),
         ({"memory": "2 kB"}, "blocks.a.memory: expected at least 1 MB, found 2000 bytes"),
