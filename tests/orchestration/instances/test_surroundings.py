@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from orchestration import run as run_scenario
+from orchestration.instances.guest import Trace
 
 from .. import broken, fmus
 
@@ -168,6 +169,21 @@ def test_a_signal_to_the_command_ends_the_run_with_it(number, run, tmp_path):
             return
         signal.sigtimedwait([], 0.05)
     pytest.fail("the run goes on")
+
+
+def test_the_same_call_twice_is_another_one_and_none_runs_between():
+    """Else one that returns at once, and is made again and again, would be taken for one that hangs."""
+    trace = Trace()
+    trace.at("a", "fmi2Reset")
+    first = trace.running
+    trace.rest()
+    assert trace.running is None
+    assert trace.text == "a: fmi2Reset"
+    trace.at("a", "fmi2Reset")
+    assert first is not None
+    assert trace.running == (first[0] + 1, "a: fmi2Reset")
+    trace.renew()
+    assert trace.running is None
 
 
 def test_flights_with_fmus_of_others_leave_no_file_open(tmp_path, library):
