@@ -40,6 +40,7 @@ OWN = KNOWN["cubesat"]
 NO_WHEEL = ("1e-9 N.m", "1e-9 N.m.s")
 SET = 4
 """Places of a set of wheels."""
+SET_TELEMETRY = "assumed: the momenta of a set of wheels are known without error, and no block measures them"
 
 
 def wheel_axes(text: str) -> list[list[float]] | None:
@@ -158,6 +159,7 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
         values["wheel_inertia"] = values["wheel_inertia"] or "1e-06 kg.m2"
         notes |= {"wheels": "no wheel: next to nothing, as the controller takes it"}
         notes |= {"wheel_torque_max": "none", "wheel_momentum_max": "none", "wheel_momentum_noise": "0 N.m.s"}
+        notes["wheel_telemetry"] = "no wheel"
     else:
         momentum, motor = number["wheel_momentum_max"], number["wheel_torque_max"]
         values["wheel_inertia"] = values["wheel_inertia"] or f"{momentum / FULL:.3g} kg.m2"
@@ -166,7 +168,9 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
         held = f"{math.degrees(momentum / np.diag(J).max()):.3g} deg/s of the body" if J is not None else "of a wheel"
         emptied = f"; the rods take it away in {momentum / torque:.3g} s" if torque > 0.0 else ""
         notes["wheel_momentum_max"] = held + emptied
-        notes["wheel_momentum_noise"] = f"{TOLD * found.number('wheel_inertia', values['wheel_inertia']):.3g} N.m.s"
+        told = TOLD * found.number("wheel_inertia", values["wheel_inertia"])
+        notes["wheel_momentum_noise"] = "0 N.m.s" if axes else f"{told:.3g} N.m.s"
+        notes["wheel_telemetry"] = SET_TELEMETRY if axes else "assumed: its speed to 1 rpm, times its inertia"
     values["wheel_count"] = 1
     if axes is not None:
         values["wheel_count"] = len(axes)

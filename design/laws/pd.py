@@ -1,10 +1,10 @@
-"""Quaternion feedback to LVLH: tau = -k q_e - d omega_e, at a frequency that rods can follow, damping 1."""
+"""Quaternion feedback to LVLH: tau = -k q_e - d omega_e, at the frequency of bandwidth.py, damping 1."""
 
 from typing import Any
 
 import numpy as np
 
-B = 4.4e-5  # T, a mean of the field
+from design.laws import bandwidth
 
 
 def errors(inputs: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -24,5 +24,5 @@ def errors(inputs: Any) -> tuple[np.ndarray, np.ndarray]:
 def step(inputs: Any, parameters: Any, t: float, h: float) -> dict[str, Any]:
     error, rate = errors(inputs)
     J = parameters.J_B
-    w = 0.2 * np.sqrt(parameters.dipole_max * B / np.trace(J) * 3.0)
+    w = bandwidth.frequency(parameters)
     return {"tau_cmd_B": -(w * w) * (J @ error) - 2.0 * w * (J @ rate)}

@@ -14,6 +14,7 @@ import multiprocessing
 import os
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -81,6 +82,9 @@ def fly(
                 for done, one in enumerate(as_completed(running), start=1):
                     one.result()
                     tell(done)
+            except BrokenProcessPool:
+                text = f"{file}: a block ended the process of its flight; remedy: isolation: process"
+                raise InputError(text) from None
             except BaseException:
                 pool.shutdown(cancel_futures=True)
                 raise
@@ -112,6 +116,7 @@ def motion(file: Path, duration: str, folder: Path) -> dict[str, Any] | None:
     no attitude to be seen."""
     path = folder / "as-it-stands.yaml"
     with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
         put(path, _text(file, Flight(path.stem, {"duration": duration}, ("*",)), folder))
     scenario = load(read(path))
     kept, key = path.with_suffix(".json"), _key(scenario)
@@ -120,7 +125,10 @@ def motion(file: Path, duration: str, folder: Path) -> dict[str, Any] | None:
         if data["key"] == key:
             shown: dict[str, Any] | None = data["view"]
             return shown
-    shown = view(whole(scenario), Arrays(inline=True))
+    result = whole(scenario)
+    if result.failure is not None:
+        raise result.failure
+    shown = view(result, Arrays(inline=True))
     put(kept, json.dumps({"key": key, "view": shown}))
     return shown
 

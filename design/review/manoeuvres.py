@@ -177,7 +177,27 @@ def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
         and not facts.start(facts.controller, "find_failures", np.ones(1)).all()
     ):
         notes.append("Rods and wheel are not watched for failures: find_failures of the controller is false.")
+    if "estimator" in facts.blocks:
+        notes += _of_estimator(facts, [name for name in studies.failures(facts) if name.endswith("lost")])
     return Section("Single failures", [Table("Single failures", columns, rows, note)], notes=notes), worst
+
+
+def _of_estimator(facts: Facts, lost: list[str]) -> list[str]:
+    """Returns what its flags do not tell, and what it is not told."""
+    estimator = facts.blocks["estimator"]
+    fed = {(c.target.block, c.target.variable) for c in facts.scenario.connections}
+    notes = []
+    if lost:
+        notes.append(
+            f"{', '.join(lost)}: a sensor that gives nothing is no failure to the estimator, as where it is blinded or "
+            f"in eclipse. {estimator}.health stays good; {estimator}.attitude_bound, the bound on its error, grows."
+        )
+    if facts.satellite.p.is_set and not {(estimator, "h_w"), (estimator, "wheel_torque")} & fed:
+        notes.append(
+            "gyro frozen: without its gyro the estimator follows the equations of motion, but it is not told the "
+            "momenta of the wheels, and takes their torques for disturbances. A set of wheels needs a second gyro."
+        )
+    return notes
 
 
 def _found(facts: Facts, name: str, one: Flown, at: float) -> str:
@@ -197,4 +217,6 @@ def _found(facts: Facts, name: str, one: Flown, at: float) -> str:
     if flag is None:
         return "no block looks for it"
     raised = np.flatnonzero(flag & later)
-    return f"{one.time[raised[0]] - at:.0f} s" if len(raised) else "not found"
+    if not len(raised):
+        return "no flag: gives nothing" if name.endswith("lost") else "not found"
+    return f"{one.time[raised[0]] - at:.0f} s"

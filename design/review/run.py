@@ -40,7 +40,8 @@ def review(
 ) -> Review:
     """Flies what is left of a review and returns it; the tables and the page are for the caller to write.
 
-    Raises InputError, and KeyboardInterrupt where a signal ends it: what has been flown stays.
+    Raises InputError, BlockError where a block fails in the flight of the file as it stands, and KeyboardInterrupt
+    where a signal ends it: what has been flown stays.
     """
     begun = perf_counter()
     found = facts(file, options.mass)
@@ -52,13 +53,13 @@ def review(
         timed(done)
         tell("tumbles", done, options.runs)
 
-    case, rows = tumbles.fly(found, options, folder, tumbled)
     place = folder / "flights"
+    motion = flown_alone(file, f"{tumbles.ORBITS * found.period:.6g} s", place)
+    case, rows = tumbles.fly(found, options, folder, tumbled)
     holds = pointing.flights(found, options, case)
     singles = [*manoeuvres.slews(found), *tracks, *manoeuvres.failing(found)]
     flown = fly(file, holds, place, options.workers, lambda done: tell("holds", done, len(holds)))
     flown |= fly(file, singles, place, options.workers, lambda done: tell("manoeuvres", done, len(singles)))
-    motion = flown_alone(file, f"{tumbles.ORBITS * found.period:.6g} s", place)
     disturbed, factors = inputs.disturbances(found)
     agility, slew_time = manoeuvres.agility(found, flown)
     tracked, station_error = station.tracking(found, flown, why)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from design import rank
-from design.laws import bdot, lqr, paper, pd, unloading
+from design.laws import bandwidth, bdot, lqr, paper, pd, unloading
 from orchestration.session.read import read
 from tests.commands import orchestrate
 
@@ -36,7 +36,8 @@ def seen(**changes):
     return SimpleNamespace(**{**rest, **changes})
 
 
-P = SimpleNamespace(J_B=J, dipole_max=0.3, rod_limits=np.ones(3), rod_axes=np.eye(3))
+ONE = {"wheel_axis": np.array([1.0, 0.0, 0.0]), "wheel_torque_max": 3e-4, "wheel_momentum_max": 2e-3}
+P = SimpleNamespace(J_B=J, dipole_max=0.3, rod_limits=np.ones(3), rod_axes=np.eye(3), control_period=0.5, **ONE)
 
 
 @pytest.mark.parametrize("law", [pd, lqr])
@@ -52,10 +53,13 @@ def test_at_the_reference_no_torque_is_asked_for_and_a_turn_is_opposed(law):
 def test_the_papers_law_has_the_stiffness_and_damping_that_it_says():
     """tau = -w^2 J zeta - 2 w J omega of small errors, beside gravity gradient and gyroscopic torque."""
     p = SimpleNamespace(**vars(P), **paper.PARAMETERS)
-    w = 0.1 * np.sqrt(0.3 * 4.4e-5 / (np.trace(J) / 3.0))
+    w = np.sqrt(0.3 * 4.4e-5 / (np.trace(J) / 3.0))
     small = np.array([1e-5, -2e-5, 1.5e-5])
-    turn = np.eye(3) + np.cross(np.eye(3), small) * -1.0
-    still, turned = (paper.step(seen(R_NB=seen().R_NB @ Q), p, 0.0, 0.5)["tau_cmd_B"] for Q in (np.eye(3), turn))
+    turn = np.eye(3) + np.cross(np.eye(3), small)  # small^
+    still, turned = (
+        paper.step(seen(R_NB=seen().R_NB @ Q, omega_B=Q.T @ seen().omega_B), p, 0.0, 0.5)["tau_cmd_B"]
+        for Q in (np.eye(3), turn)
+    )
     n2 = (7500.0 / 7e6) ** 2  # what moves with the attitude of gravity gradient and gyroscopic torque is of this size
     assert turned - still == pytest.approx(-w * w * J @ small, abs=10.0 * n2 * 0.042 * 2e-5)
     faster = paper.step(seen(omega_B=seen().omega_B + small), p, 0.0, 0.5)["tau_cmd_B"]
@@ -77,11 +81,50 @@ def test_b_dot_takes_the_rate_across_the_field_away_as_its_gain_says():
 
 
 def test_the_unloading_law_is_quaternion_feedback_with_a_wheel_that_empties_in_its_time():
-    p = SimpleNamespace(**vars(P), emptied_in=600.0)
     turned = seen(omega_B=np.array([1e-3, -2e-3, 3e-3]), h_w=-1.2e-3)
-    found = unloading.step(turned, p, 0.0, 0.5)
-    assert found["wheel_torque_ff"] == pytest.approx(2e-6)
+    found = unloading.step(turned, P, 0.0, 0.5)
+    w = np.sqrt(0.3 * 4.4e-5 / (np.trace(J) / 3.0))
+    assert found["wheel_torque_ff"] == pytest.approx(1.2e-3 * w / 10.0)
     assert found["tau_cmd_B"] == pytest.approx(pd.step(turned, P, 0.0, 0.5)["tau_cmd_B"])
+
+
+def of_wheels(axes, torque, momentum=0.02, period=0.1, inertia=J):
+    """A set of wheels, its unused places filled as `orchestrate new satellite` does."""
+    rows = np.array([*axes, *axes][:4], float)
+    limits = {"wheel_torque_max": np.full(4, torque), "wheel_momentum_max": np.full(4, momentum)}
+    return SimpleNamespace(
+        J_B=inertia, dipole_max=0.3, wheels=len(axes), wheel_axis=rows, command_period=period, **limits
+    )
+
+
+def test_the_bandwidth_is_that_at_which_an_error_of_a_radian_takes_the_whole_torque():
+    """Three wheels along the axes give 2e-5 N m about any axis; four in a pyramid 2 cos(e)cos(45 deg) and 4 sin(e)
+    along z, that of a plane of two wheels at the least; two leave an axis to the rods."""
+    mean = np.trace(J) / 3.0
+    assert bandwidth.frequency(of_wheels(np.eye(3), 2e-5)) == pytest.approx(np.sqrt(2e-5 / mean))
+    flat, up = np.cos(np.radians(35.0)) / np.sqrt(2.0), np.sin(np.radians(35.0))
+    pyramid = [[x * flat, y * flat, up] for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+    drawn = np.random.default_rng(1).normal(size=(20000, 3))
+    support = np.abs(drawn @ np.transpose(pyramid)).sum(1) / np.linalg.norm(drawn, axis=1)
+    found = bandwidth.frequency(of_wheels(pyramid, 2e-5))
+    assert found**2 * mean == pytest.approx(2e-5 * support.min(), rel=5e-3)
+    rods = np.sqrt(0.3 * 4.4e-5 / mean)
+    for axes in (np.eye(3)[:2], [[1, 0, 0], [0, 1, 0], [0.6, 0.8, 0]]):
+        assert bandwidth.frequency(of_wheels(axes, 2e-5)) == pytest.approx(rods)
+
+
+def test_the_bandwidth_leaves_the_control_ten_samples_and_rods_alone_a_fifth():
+    assert bandwidth.frequency(of_wheels(np.eye(3), 1.0, period=0.5)) == pytest.approx(0.2)
+    alone = SimpleNamespace(**{**vars(P), "wheel_torque_max": 1e-9, "wheel_momentum_max": 1e-9})
+    assert bandwidth.frequency(alone) == pytest.approx(0.2 * bandwidth.frequency(P))
+
+
+def test_full_wheels_ask_no_more_than_a_rod_gives():
+    p = of_wheels(np.eye(3), 2e-5, momentum=1.0)
+    assert 3.0 / bandwidth.emptied_in(p) == pytest.approx(0.3 * 4.4e-5)
+    assert bandwidth.emptied_in(of_wheels(np.eye(3), 2e-5, momentum=1e-7)) == pytest.approx(
+        10.0 / bandwidth.frequency(p)
+    )
 
 
 def test_tumbles_are_rotations_and_rates_of_one_size_and_the_same_for_a_seed():

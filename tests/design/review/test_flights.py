@@ -5,6 +5,8 @@ import pytest
 from design.review import flights
 from design.review.flights import Flight, fly
 from orchestration import InputError, run
+from orchestration.errors import BlockError
+from orchestration.scenario.text import written
 
 CHANGES = {"duration": "4 s", "blocks": {"plant": {"start": {"Q0": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}}}}
 SIGNALS = ("plant.R_NB", "judge.attitude_error")
@@ -58,3 +60,21 @@ def test_a_wrong_change_is_told_with_its_place(satellite, tmp_path):
     wrong = {"duration": "4 s", "blocks": {"plant": {"start": {"dipole": 1}}}}
     with pytest.raises(InputError, match=r"one\.yaml:\d+.*dipole"):
         fly(satellite, [Flight("one", wrong, SIGNALS)], tmp_path, 0)
+
+
+@pytest.mark.parametrize(
+    ("does", "told"),
+    [("os._exit(0)", "ended its process, with exit status 0"), ("time.sleep(60)", "did not return within 1 s")],
+    ids=["ends its process", "never returns"],
+)
+def test_a_law_that_takes_the_process_along_ends_its_own_flight_alone(satellite, tmp_path, does, told):
+    """In the flight of the file as it stands it ends the review, and no other is flown."""
+    (tmp_path / "law.py").write_text(
+        f"import os, time\ndef step(i, p, t, h):\n    if t > 1: {does}\n    return {{'tau_cmd_B': [0.0] * 3}}\n"
+    )
+    own = {"name": "own", "extends": str(satellite), "blocks": {"controller": {"python": "law.py", "timeout": "1 s"}}}
+    (tmp_path / "own.yaml").write_text(written(own))
+    turned = Flight("one", CHANGES, SIGNALS)
+    assert told in fly(tmp_path / "own.yaml", [turned], tmp_path / "out", 0)["one"].failure
+    with pytest.raises(BlockError, match=told):
+        flights.motion(tmp_path / "own.yaml", "4 s", tmp_path / "out")

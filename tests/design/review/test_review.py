@@ -12,7 +12,7 @@ from design.review import compare, content, flights, margins, page, power, run, 
 from design.review import facts as of
 from design.review.options import Options, requirements
 from evidence.paper import ROOT
-from orchestration import InputError
+from orchestration.errors import BlockError
 from orchestration.scenario.text import written
 from orchestration.session.read import load, read
 from orchestration.session.run import whole
@@ -169,5 +169,5 @@ def test_a_law_in_python_is_reviewed_as_a_block_is_and_one_that_fails_at_once_by
     assert "controller_planned solves" not in said, "it is a law of which no more is known than of any"
     assert "controller.tau_cmd_B" in said, "the loop is opened at the torque that the law demands"
     (tmp_path / "law.py").write_text("def step(inputs, parameters, t, h):\n    return {'torque': inputs.omega_B}\n")
-    with pytest.raises(InputError, match=r"law\.py.*no output 'torque'"):
+    with pytest.raises(BlockError, match=r"law\.py.*no output 'torque'"):
         run.review(own, tmp_path / "out2", Options(runs=2, members=1, workers=0), lambda *at: None)
