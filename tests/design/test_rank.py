@@ -192,7 +192,8 @@ def test_a_law_that_ends_the_process_is_no_success(tmp_path):
         check=False,
     )
     assert done.returncode == 3
-    assert "controller: step: ended the run with exit status 0; no table is written" in done.stderr
+    assert "law: controller: step at 2 s: ended its process, with exit status 0" in done.stderr
+    assert "every flight of law failed" in done.stderr
 
 
 def test_where_no_law_settles_the_exit_status_is_that_of_a_requirement_that_is_not_met(tmp_path):
