@@ -155,3 +155,20 @@ def test_a_start_value_of_the_command_line_goes_beside_an_empty_set_and_leaves_t
     changed(toy, ("set:", "set: [regulator.gain]"))
     with pytest.raises(InputError, match=r"toy.yaml:4: set: "):
         read_campaign(toy, None, {"regulator.gain": -3})
+
+
+@pytest.mark.parametrize(
+    ("section", "more", "fits"),
+    [
+        ("search: {metric: final, runs: 20}", "", True),
+        ("sensitivity: {method: morris, points: 4}", "", False),
+        ("sensitivity: {method: morris, points: 4}", "\n  regulator.gain: {uniform: [-2, -1]}", True),
+    ],
+)
+def test_a_search_needs_one_number_that_varies_and_a_sensitivity_two(toy, section, more, fits):
+    changed(toy, ("seed: 4", f"seed: 4\n{section}"), ("2 rad/s]}", "2 rad/s]}" + more))
+    if fits:
+        read_campaign(toy)
+        return
+    with pytest.raises(InputError, match="expected 2 or more numbers that vary, found 1"):
+        read_campaign(toy)

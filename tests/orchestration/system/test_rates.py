@@ -93,3 +93,13 @@ def test_the_instants_of_substeps_are_multiples_of_the_own_step_and_no_sums():
     for count in range(4):
         stepped.do_step(count * 3 / 10, 0.3)
     assert [call[1:] for call in block.calls if call[0] == "do_step"] == [(n / 10, 0.1) for n in range(12)]
+
+
+@pytest.mark.parametrize(("steps", "apart"), [(7, 2), (8, 2), (7, 3), (6, 3), (5, 1), (9, 2)])
+def test_samples_are_those_of_the_interval_and_of_the_end(loop, steps, apart):
+    text = SCENARIO.replace("interval: 0.1 s", f"interval: {0.1 * apart:g} s")
+    loop.write_text(f"{text}isolation: none\n")
+    result = run(loop, duration=0.1 * steps)
+    wanted = sorted({*range(0, steps + 1, apart), steps})
+    assert result.time == pytest.approx([0.1 * k for k in wanted])
+    assert result["motor.speed"] == pytest.approx([2.0 * 0.9**k for k in wanted])

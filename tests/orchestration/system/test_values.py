@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from fmus.units import Unit
 from orchestration.quantities import QuantityError, parse_unit
 from orchestration.system.values import scalar
 from tests.commands import orchestrate
@@ -57,3 +58,11 @@ def test_a_value_beyond_the_limits_is_said_as_written_only_where_that_differs(va
     with pytest.raises(QuantityError) as info:
         scalar(gain, 0, value)
     assert str(info.value) == f"expected at most 10 kW, found {found}"
+
+
+@pytest.mark.parametrize(("value", "found"), [("3 widget", 3.0), (" 3e1widget ", 30.0), ("3", 3.0), (3, 3.0)])
+def test_a_unit_that_the_fmu_names_without_defining_it_is_only_itself(value, found):
+    count = real("n", "parameter", unit=Unit("widget", None, 1.0, 0.0))
+    assert scalar(count, 0, value) == found
+    with pytest.raises(QuantityError):
+        scalar(count, 0, "3 m")

@@ -42,3 +42,17 @@ def test_an_expression_sets_whole_numbers_where_the_port_takes_them_and_no_other
     changed(toy, ("2 * half", "0.4 * half"))
     with pytest.raises(InputError, match="expected a whole number, found 0.8"):
         read_campaign(toy)
+
+
+def test_a_column_is_in_the_unit_that_was_written_or_in_that_of_the_port_that_takes_it(toy):
+    changed(
+        toy,
+        ("vary:", "draw:\n  turn: {uniform: [60 rpm, 120 rpm]}\n  k: {uniform: [1, 2]}\nvary:"),
+        ("{uniform: [1 rad/s, 2 rad/s]}", "{expression: turn / 10}\n  motor.inertia: {uniform: [1, 2]}"),
+    )
+    assert {draw.name: draw.shown for draw in read_campaign(toy).job.draws.draws} == {
+        "turn": "rpm",
+        "k": "",
+        "motor.speed0": "rad/s",
+        "motor.inertia": "kg.m2",
+    }

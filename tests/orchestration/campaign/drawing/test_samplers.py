@@ -159,3 +159,8 @@ def test_the_ends_may_have_units_of_one_kind():
 def test_a_grid_has_so_many_points_and_both_ends_among_them():
     one = made(grid={"from": 1, "to": 4, "points": 4})
     assert [one.value([u]) for u in (0.1, 0.3, 0.6, 0.9)] == [1.0, 2.0, 3.0, 4.0]
+
+
+@pytest.mark.parametrize(("length", "found"), [(0, [0.0, 0.0, 0.0]), ("0 m", [0.0, 0.0, 0.0])])
+def test_a_vector_may_have_no_length(length, found):
+    assert made(sphere=length).value([0.3, 0.6]) == found

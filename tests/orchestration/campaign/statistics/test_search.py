@@ -62,3 +62,9 @@ def test_a_distribution_without_end_is_searched_within_a_share_of_it():
     found = search.run(Search(metric="y", runs=60, within=0.9), runs, 3)
     assert 0.93 < found["value"] <= 0.95
     assert np.concatenate(runs.asked).min() >= 0.05
+
+
+def test_no_run_is_left_where_the_last_batch_leaves_one():
+    """Two fifths of 28 are spread, 11; after two batches of 8 the last is asked alone."""
+    runs = Analytic(ackley, separate(2))
+    assert search.run(Search(metric="y", runs=28), runs, 1)["runs"] == sum(map(len, runs.asked)) == 28
