@@ -258,7 +258,14 @@ def test_an_entry_beyond_an_end_that_an_option_brings_forward_is_noted(capsys: p
 
 def test_a_timeline_whose_phases_are_not_drawn_is_noted() -> None:
     result = flown(timeline=TIMELINE, phases={"signal": "supervisor.mode", "names": {"safe": 1}})
-    assert any("timeline: its phases are not drawn, since 'phases' is given" in n for n in result.manifest["notes"])
+    text = "timeline: its phases are not drawn, since 'phases' is given"
+    assert any(text in n for n in result.manifest["notes"])
+    without = [{key: value for key, value in entry.items() if key != "phase"} for entry in TIMELINE[1:]]
+    for other in (
+        {"timeline": TIMELINE},
+        {"timeline": without, "phases": {"signal": "supervisor.mode", "names": {"safe": 1}}},
+    ):
+        assert not any(text in note for note in flown(**other).manifest["notes"])
 
 
 @pytest.mark.parametrize("compiled", [True, False])

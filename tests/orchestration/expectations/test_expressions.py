@@ -154,6 +154,7 @@ def test_a_check_looks_only_where_and_as_closely_as_it_is_told():
 @pytest.mark.parametrize(
     ("check", "message"),
     [
+        ({"left": ["a.y"], "right": 0, "within": 1}, "consistency.c.left: expected text"),
         ({"left": "a.x", "right": 0, "within": 1}, "consistency.c.left: a has no variable 'x'"),
         ({"left": "a.h", "right": "a.t", "within": 1}, "the units differ"),
         ({"left": "a.w", "right": "a.t", "within": 1}, "the shapes differ"),

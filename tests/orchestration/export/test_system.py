@@ -102,6 +102,7 @@ def test_what_goes_through_an_fmu_of_changes_comes_to_the_block_as_it_leaves(loo
     source, factor, offset = into["regulator", "speed"]
     assert (source[0], factor, offset) == ("regulator_changes", 1.0, 0.0)
     assert [c.name for c in system.components] == ["motor", "regulator", "regulator_changes"]
+    assert {str(port.variable.unit) for port in system.components[2].ports if port.variable.type == "real"} == {"rad/s"}
     assert system.order.index("regulator_changes") == system.order.index("regulator") - 1
 
 

@@ -50,6 +50,25 @@ def test_the_order_of_blocks_in_the_scenario_does_not_matter_where_feedthrough_d
         np.testing.assert_array_equal(forward[name], backward[name])
 
 
+def test_an_output_that_is_only_looked_at_is_that_of_its_instant_too():
+    """It feeds nothing, stands first in the scenario, and depends directly on a block behind it."""
+    for blocks in ([law("first"), ramp("plant")], [law("second"), law("first"), ramp("plant")]):
+        wires = [*(["first.y -> second.u"] if len(blocks) > 2 else []), "plant.y -> first.u"]
+        result = run(blocks, {"step": 0.1, "duration": 1.0, "connections": wires}, start={"plant": {"u": 0}})
+        np.testing.assert_array_equal(result["first.y"], result.time)
+
+
+def test_blocks_step_in_the_order_of_the_scenario_as_far_as_what_feeds_them_allows():
+    """One that waits for nothing does not overtake one that waited and may step."""
+    stepped: list[str] = []
+    blocks = [law("late"), ramp("plant"), law("fed"), ramp("free"), law("end")]
+    for block in blocks:
+        block.advance = lambda b, t, h: stepped.append(b.name)
+    wires = ["plant.y -> fed.u", "fed.y -> late.u", "free.y -> end.u"]
+    run(blocks, {"step": 0.1, "duration": 0.1, "connections": wires}, start={"plant": {"u": 0}, "free": {"u": 0}})
+    assert stepped == ["plant", "fed", "late", "free", "end"]
+
+
 @pytest.mark.parametrize("exchange", ["sequential", "parallel"])
 def test_get_is_never_called_between_set_and_do_step(exchange):
     _, blocks = chain(exchange=exchange)

@@ -31,6 +31,7 @@ def test_the_motion_is_kept_to_the_resolution_of_two_bytes():
         ("momentum", "inertial", "N.m.s"),
     ]
     assert shown["vectors"][1]["largest"] == pytest.approx(101.0)  # along a direction whose length does not count
+    assert shown["body"] == {"length": 1.0, "width": 1.0, "axis": 0, "sides": 4}
     assert np.linalg.norm(result["a.r"], axis=1) == pytest.approx(RADIUS)
 
 
@@ -67,6 +68,7 @@ def test_a_scenario_without_an_attitude_has_no_view():
         ),
         ({"attitude": "a.q", "axes": {"wheel": [[0, 0, 0]]}}, "view.axes.wheel[1]: expected a vector that is not zero"),
         ({"attitude": "a.q", "axes": {"wheel": [[1, 0]]}}, "view.axes.wheel[1]: expected at least 3 elements, found 2"),
+        ({"attitude": "a.q", "body": {"length": "a.k", "width": "a.n"}}, "there is no parameter a.n"),
         ({"attitude": "a.q", "body": {"length": 0}}, "view.body.length: expected more than 0, found 0"),
         (
             {"attitude": "a.q", "body": {"length": "long"}},
