@@ -2,6 +2,7 @@
 
 Changes one token of the area's code at a time, in Python and C, and prints the changes that none of its tests sees.
 Exit status 1 where there are any. `python -m tests.mutants` makes all changes of some modules by mutmut, but none of C.
+Changes that no test can see stand in areas.toml, each with its reason.
 Works in a copy of the tree. A change that no compiler takes, and a test that does not end, count as seen.
 Tests: tests/test_areas.py.
 """
@@ -17,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import tokenize
+import tomllib
 import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -56,6 +58,7 @@ AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "supervisor in C": (("supervisor/native/*.c",), ("tests/supervisor", *_C)),
 }  # fmt: skip
 """By area: its code, and the tests that it is held against."""
+EQUIVALENT: dict[str, str] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 _KINDS = "not thorough", "thorough"
 """The tests of `make test`, and those of `make thorough` where the first see nothing."""
 _FINE = 0, 5
@@ -121,22 +124,27 @@ def _unseen(area: str, count: int, draw: random.Random, folder: Path) -> int:
         if (end := _run(folder, tests, kind)) is None or end.returncode not in _FINE:
             last = "they did not end" if end is None else end.stdout[-2000:]
             raise click.ClickException(f"the tests of {area} fail without a change:\n{last}")
-    unseen = 0
+    unseen = equal = 0
     files = [path for path in files if any(changes(path))]
     for number in range(1, count + 1):
         path = draw.choices(files, [path.stat().st_size for path in files])[0]
         possible = list(changes(path))
         begin, end, other = draw.choice(possible)
         text = path.read_text("utf-8")
+        line = text.count("\n", 0, begin)
+        change = f"{text[begin:end]!r} -> {other!r}: {text.splitlines()[line].strip()}"
+        name = path.relative_to(folder).as_posix()
+        if reason := EQUIVALENT.get(f"{name}: {change}"):
+            equal += 1
+            print(f"{number} equivalent, {reason}: {name}:{line + 1}: {change}", flush=True)
+            continue
         path.write_text(text[:begin] + other + text[end:], "utf-8")
         own = [str(test.relative_to(folder)) for test in _named(folder, tests, path.stem)]
         seen = not (_pass(folder, own, "") and all(_pass(folder, tests, kind) for kind in _KINDS))
         path.write_text(text, "utf-8")
         unseen += not seen
-        line = text.count("\n", 0, begin)
-        place = f"{path.relative_to(folder)}:{line + 1}: {text[begin:end]!r} -> {other!r}"
-        print(f"{number} {'seen' if seen else 'NOT SEEN'} {place}: {text.splitlines()[line].strip()}", flush=True)
-    print(f"{area}: {count - unseen} of {count} changes seen")
+        print(f"{number} {'seen' if seen else 'NOT SEEN'} {name}:{line + 1}: {change}", flush=True)
+    print(f"{area}: {count - unseen - equal} of {count - equal} changes seen, and {equal} that no test can see")
     return unseen
 
 

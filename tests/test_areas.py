@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from .areas import AREAS, ROOT, changes
+from .areas import AREAS, EQUIVALENT, ROOT, changes
 
 
 def changed(tmp_path: Path, name: str, text: str) -> set[str]:
@@ -30,3 +30,13 @@ def test_the_code_and_the_tests_of_an_area_are_there(area):
     sources, tests = AREAS[area]
     assert all(any(ROOT.glob(pattern)) for pattern in sources)
     assert all((ROOT / test).exists() for test in tests)
+
+
+def test_each_change_that_no_test_can_see_can_be_drawn():
+    drawn = set()
+    for path in {ROOT / entry.partition(": ")[0] for entry in EQUIVALENT}:
+        text = path.read_text("utf-8")
+        for begin, end, other in changes(path):
+            line = text.splitlines()[text.count("\n", 0, begin)].strip()
+            drawn.add(f"{path.relative_to(ROOT).as_posix()}: {text[begin:end]!r} -> {other!r}: {line}")
+    assert EQUIVALENT.keys() <= drawn

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+import zipfile
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -13,12 +15,13 @@ import pytest
 import orchestration
 from orchestration.errors import InputError
 from orchestration.export.changes import Values, _of_signal, _of_value, with_inputs
-from orchestration.export.system import Component, System, flat
+from orchestration.export.system import Component, System, _converted, flat
 from orchestration.fmu.archive import open_fmu
 from orchestration.fmu.model import Element
 from orchestration.session.open import open_scenario
 from orchestration.system.faults import Setting
 from orchestration.system.wiring import Node
+from tests.commands import orchestrate
 from tests.orchestration import fmus
 
 
@@ -167,3 +170,59 @@ def test_what_leaves_a_delay_is_passed_before_all_else_in_initialization(loop):
     assert back["motor.speed"] == pytest.approx(direct["motor.speed"], rel=1e-12)
     loop.write_text(loop.read_text().replace("delays: [regulator.speed]\n", ""))
     assert np.abs(orchestration.run(loop)["motor.speed"] - direct["motor.speed"]).max() > 1e-3
+
+
+def test_signals_without_a_unit_have_none_in_an_archive_and_behind_an_fmu_of_changes(loop):
+    for name in ("motor", "regulator"):
+        text = re.sub(r'(name="(?:voltage|speed)"[^>]*><Real) unit="[^"]*"', r"\1", fmus.description(name))
+        fmus.write(loop.with_name(f"{name}.fmu"), text, fmus.library())
+    loop.write_text(re.sub(r"(?s)expect:.*?(?=isolation)", "", loop.read_text()) + CUT)
+    system, _, _ = of(loop)
+    assert {port.variable.unit for port in system.components[2].ports if port.variable.type == "real"} == {None}
+    assert orchestrate("export", loop.name, "--ssp", "loop.ssp").exit_code == 0
+    with zipfile.ZipFile("loop.ssp") as archive:
+        structure = archive.read("SystemStructure.ssd").decode()
+    connectors = re.findall(r'name="(?:voltage|speed)" kind="\w+">\s*<ssc:(.*?)/>', structure)
+    assert {kind.strip() for kind in connectors} == {"Real"}
+    result, back = (orchestration.run(path)["motor.speed"] for path in (loop.name, "loop.ssp"))
+    np.testing.assert_array_equal(back, result)
+
+
+def test_an_input_that_nothing_feeds_keeps_its_value_in_an_archive(loop):
+    text = loop.read_text().replace("  - regulator.voltage -> motor.voltage\n", "")
+    loop.write_text(text.replace("inertia: 0.5", "inertia: 0.5\n      voltage: 3 V"))
+    assert orchestrate("export", loop.name, "--ssp", "loop.ssp").exit_code == 0
+    first, back = (orchestration.run(path)["motor.speed"] for path in (loop.name, "loop.ssp"))
+    assert first[-1] > first[0] + 1.0
+    np.testing.assert_array_equal(back, first)
+
+
+def test_a_duration_in_the_scenario_s_own_times_stays_as_it_was_written(loop):
+    text = loop.read_text().replace("duration: 2 s", "duration: 0.5 turns")
+    loop.write_text(text + "cycle: {name: turns, period: 2 s}\n")
+    assert orchestrate("export", loop.name, "--ssp", "loop.ssp").exit_code == 0
+    assert orchestration.load("loop.ssp").source.data["duration"] == "0.5 turns"
+    assert orchestration.run("loop.ssp").time[-1] == 1.0
+
+
+@pytest.mark.parametrize(("at", "first"), [(0.0, 1.5), (1.0, 2.0)])
+def test_an_input_starts_with_what_a_fault_from_the_start_on_gives_it_and_not_with_a_later_one(loop, at, first):
+    loop.write_text(loop.read_text() + f"faults: [{{at: {at} s, bias: motor.speed, by: -0.5 rad/s}}]\n")
+    system, _, _ = of(loop)
+    result = orchestration.run(loop)
+    assert result["regulator.voltage"][0] == pytest.approx(-first)
+    given = {value.name: value.value for c in system.components for value in c.values if c.name == "motor"}
+    assert given["voltage"] == pytest.approx(-first)
+
+
+def test_a_value_that_is_not_converted_keeps_its_type():
+    assert _converted(True, 1.0, 0.0) is True
+    assert type(_converted(3, 1.0, 0.0)) is int
+    assert _converted(3, 1.0, 1.0) == 4.0
+
+
+def test_a_parameter_that_is_set_during_the_run_is_fed_and_no_other(loop):
+    loop.write_text(loop.read_text() + "faults: [{at: 1 s, set: regulator.gain = -2}]\n")
+    _, motor, regulator = of(loop)
+    assert (motor.fed, regulator.fed) == (frozenset(), {"gain"})
+    assert "gain" not in {port.name for port in regulator.free}
