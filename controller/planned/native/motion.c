@@ -98,9 +98,9 @@ Vector controller_planned_acceleration(const Model *model, const Around *around,
  * G)^-1. With G = Pi^ the rate of the middle is that of the implicit midpoint rule for a body that turns little in a
  * stage, and its nutation neither grows nor decays, however long the stage is. The derivatives have the whole G, Pi^
  * - Omega^ J, which is the same there. */
-static Matrix inverse_over(const Model *model, Matrix G, double h)
+static Matrix inverse_over(const Model *model, const Matrix *G, double h)
 {
-    return model->scales.fast_nutation ? inverse(sum(model->J, times(-0.5 * h, G))) : model->J_inverse;
+    return inverse(sum(model->J, times(-0.5 * h, *G)));
 }
 
 double controller_planned_wheel_within(const Model *model, double l, double u, double h)
@@ -114,23 +114,34 @@ double controller_planned_wheel_within(const Model *model, double l, double u, d
     return clip(v, -1.0, 1.0); /* a wheel beyond its limit is brought back as fast as it can be */
 }
 
-Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
-                                double h)
+void controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
+                              double h, Motion *next)
 {
-    const Matrix J_inverse = inverse_over(model, hat(momentum_of(model, x)), h);
-    const Vector first = apply(J_inverse, torque(model, around, x, u));
+    const Vector tau = torque(model, around, x, u);
+    Vector first;
+    if (model->scales.fast_nutation) {
+        const Matrix G = hat(momentum_of(model, x)), J_inverse = inverse_over(model, &G, h);
+        first = apply(J_inverse, tau);
+    } else {
+        first = apply(model->J_inverse, tau);
+    }
     const double dl = h * model->wheel_torque_max * u[3];
-    const Motion middle = {multiply(x->R, rotation_exp(scale(0.5 * h, x->Omega))), add(x->Omega, scale(0.5 * h, first)),
-                           x->l + 0.5 * dl};
+    const Matrix half = rotation_exp(scale(0.5 * h, x->Omega));
+    const Motion middle = {product_of(&x->R, &half), add(x->Omega, scale(0.5 * h, first)), x->l + 0.5 * dl};
     const Vector second = controller_planned_acceleration(model, around, &middle, u);
-    return (Motion){multiply(x->R, rotation_exp(scale(h, middle.Omega))), add(x->Omega, scale(h, second)), x->l + dl};
+    const Matrix whole = rotation_exp(scale(h, middle.Omega));
+    next->R = product_of(&x->R, &whole);
+    next->Omega = add(x->Omega, scale(h, second));
+    next->l = x->l + dl;
 }
 
 Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
                                    double h)
 {
     const double v[CONTROLS] = {u[0], u[1], u[2], controller_planned_wheel_within(model, x->l, u[3], h)};
-    return controller_planned_moved(model, around, x, v, h);
+    Motion next;
+    controller_planned_moved(model, around, x, v, h, &next);
+    return next;
 }
 
 /* s I + M. */
@@ -171,7 +182,8 @@ static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, 
     const Matrix J = model->J;
     const Vector rho = apply_transposed(R, around->r_hat_N);
     const Vector Pi = add(apply(J, Omega), scale(l, model->wheel_axis));
-    const Matrix by_rate = sum(hat(Pi), times(-1.0, hat_times(Omega, J))), J_inverse = inverse_over(model, by_rate, h);
+    const Matrix by_rate = sum(hat(Pi), times(-1.0, hat_times(Omega, J)));
+    const Matrix J_inverse = model->scales.fast_nutation ? inverse_over(model, &by_rate, h) : model->J_inverse;
     const Matrix tilt = sum(hat_times(rho, J), times(-1.0, hat(apply(J, rho))));
     const Matrix angle = sum(hats(m, B), times(3.0 * around->rate_squared, times_hat(tilt, rho)));
     return (Jacobian){
@@ -195,7 +207,7 @@ void controller_planned_linearise(const Model *model, const Around *around, cons
                                   const double u[CONTROLS], double h, Square A, double G[CONTROLS][ERRORS])
 {
     const Vector Omega = scale(0.5, add(x->Omega, next->Omega));
-    const Matrix R = multiply(x->R, rotation_exp(scale(0.5 * h, Omega)));
+    const Matrix half = rotation_exp(scale(0.5 * h, Omega)), R = product_of(&x->R, &half);
     const Vector B = apply_transposed(R, around->B_N);
     const Jacobian F = jacobian_of(model, around, R, B, Omega, 0.5 * (x->l + next->l), dipole(model, u), h);
     /* A = I + h F + h^2/2 F^2 of F = [-Omega^ I 0; angle rate wheel; 0 0 0]; what its middle row gives over the

@@ -139,8 +139,8 @@ double controller_planned_wheel_within(const Model *model, double l, double u, d
 
 /* The motion after h under constant controls, by the midpoint rule; the rate of the middle implicitly, where
  * nutation is fast. */
-Motion controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
-                                double h);
+void controller_planned_moved(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],
+                              double h, Motion *next);
 
 /* The same with the wheel's control within its limit. */
 Motion controller_planned_advanced(const Model *model, const Around *around, const Motion *x, const double u[CONTROLS],

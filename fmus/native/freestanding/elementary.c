@@ -55,7 +55,7 @@ static unsigned reduce(double x, double *r)
     const double a = x - n * part1, w = n * part2;
     const double b = a - w;
     *r = b - (n * part3 - ((a - b) - w));
-    return (unsigned)((int64_t)n & 3);
+    return (unsigned)((int32_t)n & 3);
 }
 
 double sin(double x)

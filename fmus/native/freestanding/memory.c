@@ -7,25 +7,53 @@
 #pragma GCC optimize("no-tree-loop-distribute-patterns") /* which makes a call of memcpy of its loop */
 #endif
 
+#if __SIZEOF_POINTER__ == 8
 typedef uint64_t __attribute__((may_alias, aligned(1))) Word;
 /* In this order: gcc takes a vector whose size comes last as aligned. */
 typedef uint64_t __attribute__((vector_size(32), may_alias, aligned(1))) Words;
 
+/* Copies whole Words; returns how many bytes they are. */
+static inline size_t copy_words(unsigned char *t, const unsigned char *f, size_t n)
+{
+    size_t i = 0;
+    for (; n - i >= 4 * sizeof(Words); i += 4 * sizeof(Words)) {
+        const Words a = *(const Words *)(f + i), b = *(const Words *)(f + i + sizeof(Words));
+        const Words c = *(const Words *)(f + i + 2 * sizeof(Words)), d = *(const Words *)(f + i + 3 * sizeof(Words));
+        *(Words *)(t + i) = a;
+        *(Words *)(t + i + sizeof(Words)) = b;
+        *(Words *)(t + i + 2 * sizeof(Words)) = c;
+        *(Words *)(t + i + 3 * sizeof(Words)) = d;
+    }
+    for (; n - i >= sizeof(Words); i += sizeof(Words)) {
+        *(Words *)(t + i) = *(const Words *)(f + i);
+    }
+    return i;
+}
+#else
+typedef uint32_t __attribute__((may_alias, aligned(1))) Word;
+/* What a small processor moves with few instructions, where both ends are aligned. */
+typedef struct __attribute__((may_alias)) {
+    uint32_t word[6]; /* three double */
+} Words;
+
+static inline size_t copy_words(unsigned char *t, const unsigned char *f, size_t n)
+{
+    size_t left = n;
+    if ((((uintptr_t)t | (uintptr_t)f) & (_Alignof(Words) - 1)) == 0) {
+        for (; left >= sizeof(Words); left -= sizeof(Words), t += sizeof(Words), f += sizeof(Words)) {
+            *(Words *)t = *(const Words *)f;
+        }
+    }
+    return n - left;
+}
+#endif
+
 void *(memcpy)(void *restrict to, const void *restrict from, size_t n)
 {
-    unsigned char *t = to;
-    const unsigned char *f = from;
-    for (; n >= 4 * sizeof(Words); n -= 4 * sizeof(Words), t += 4 * sizeof(Words), f += 4 * sizeof(Words)) {
-        const Words a = *(const Words *)f, b = *(const Words *)(f + sizeof(Words));
-        const Words c = *(const Words *)(f + 2 * sizeof(Words)), d = *(const Words *)(f + 3 * sizeof(Words));
-        *(Words *)t = a;
-        *(Words *)(t + sizeof(Words)) = b;
-        *(Words *)(t + 2 * sizeof(Words)) = c;
-        *(Words *)(t + 3 * sizeof(Words)) = d;
-    }
-    for (; n >= sizeof(Words); n -= sizeof(Words), t += sizeof(Words), f += sizeof(Words)) {
-        *(Words *)t = *(const Words *)f;
-    }
+    const size_t copied = copy_words(to, from, n);
+    unsigned char *t = (unsigned char *)to + copied;
+    const unsigned char *f = (const unsigned char *)from + copied;
+    n -= copied;
 #pragma clang loop vectorize(disable) unroll(disable)
     for (; n >= sizeof(Word); n -= sizeof(Word), t += sizeof(Word), f += sizeof(Word)) {
         *(Word *)t = *(const Word *)f;

@@ -28,7 +28,7 @@ double controller_planned_cost_of(const Model *model, const Target *target, cons
     const double weight_angle = model->scales.weight_angle, weight_rate = model->scales.weight_rate,
                  weight_far = model->scales.weight_far, weight_wheel = model->scales.weight_wheel,
                  weight_near_limit = model->scales.weight_near_limit;
-    const Matrix Q = multiply(transposed(target->R), x->R);
+    const Matrix back = transposed(target->R), Q = product_of(&back, &x->R);
     const Vector zeta = rotation_log(Q), w = apply_transposed(Q, target->Omega);
     const Vector omega = subtract(x->Omega, w);
     const double angle = norm(zeta), root = sqrt(dot(zeta, zeta) + BEND * BEND);

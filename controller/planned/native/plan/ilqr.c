@@ -16,7 +16,8 @@ static void add_feedback(const Motion *x, const Motion *x0, double share, const 
                          double K[CONTROLS][ERRORS], double u[CONTROLS])
 {
     double error[ERRORS];
-    store(rotation_log(multiply(transposed(x0->R), x->R)), error);
+    const Matrix back = transposed(x0->R);
+    store(rotation_log(product_of(&back, &x->R)), error);
     store(subtract(x->Omega, x0->Omega), error + 3);
     error[6] = x->l - x0->l;
     for (int j = 0; j < CONTROLS; ++j) {
@@ -56,7 +57,7 @@ static double rollout(const Model *model, const Plan *plan, Workspace *w, int fr
         if (cost > limit) {
             return NEVER;
         }
-        w->x[to][i + 1] = controller_planned_moved(model, &w->stage[i].around, x, u, h);
+        controller_planned_moved(model, &w->stage[i].around, x, u, h, &w->x[to][i + 1]);
     }
     cost += controller_planned_cost_of(model, &w->stage[plan->stages].target, &w->x[to][plan->stages],
                                        model->scales.final_errors, model->scales.final_wheel, NULL, NULL, &near);
