@@ -84,6 +84,13 @@ CONTRACTS = (
         "outputs pass only where each number is finite",
     ),
     Contract(
+        "guard, supervisor",
+        "supervisor/native/guard.c",
+        ("is_ahead_finite", "supervisor_guard"),
+        "supervisor",
+        "outputs pass only where each number is finite",
+    ),
+    Contract(
         "guard, planned",
         "controller/planned/native/decide/guard.c",
         ("is_command", "bring_within", "controller_planned_guard"),

@@ -12,6 +12,7 @@ from fmus.native.generate import ports_header
 
 from ..paper import ROOT
 from .analysis import FLAGS, Alarm, Result
+from .contracts import BY_WP
 from .harness import harness
 from .subjects import HERE, Subject
 
@@ -34,7 +35,7 @@ def result_of(subject: Subject) -> Result:
 
 
 def _digest(subject: Subject) -> str:
-    how = f"{subject.span} {subject.definitions()} {subject.words()} {FLAGS}"
+    how = f"{subject.span} {subject.definitions()} {subject.words()} {FLAGS} {BY_WP}"
     digest = hashlib.sha256(how.encode())
     if (block := subject.block) is not None:
         digest.update("".join(ports_header(block.interface).values()).encode())

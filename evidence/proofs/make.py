@@ -147,8 +147,7 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
             faults=len(faults()),
             rows=rows,
             contracts=[
-                (f"`{Path(c.file).name}`", c.says, f"{r.proved} of {r.statements[1]}", f"{r.seconds:.0f} s")
-                for c, r in contracts
+                (f"`{c.file}`", c.says, f"{r.proved} of {r.statements[1]}", f"{r.seconds:.0f} s") for c, r in contracts
             ],
             stacks=rows_of_stack(FLIGHT),
             loops=rows_of_loops(FLIGHT),

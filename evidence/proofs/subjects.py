@@ -82,8 +82,10 @@ class Subject:
         return replace(result, alarms=tuple(alarm for alarm in result.alarms if not self.is_proved_elsewhere(alarm)))
 
     def is_proved_elsewhere(self, alarm: Alarm) -> bool:
-        """A postcondition of a function whose body another program follows, or that WP proves."""
-        return alarm.kind == "postcondition" and alarm.function in (*self.by_contract, *BY_WP)
+        """A postcondition of a function whose body another program follows, or what WP proves of a function."""
+        if alarm.function in BY_WP:
+            return alarm.kind in ("postcondition", "loop invariant", "user assertion")
+        return alarm.kind == "postcondition" and alarm.function in self.by_contract
 
     def definitions(self) -> tuple[str, ...]:
         """Macros of the C that the analysis sees."""

@@ -2,6 +2,7 @@
 #include "supervisor.h"
 
 #include "ahead.h"
+#include "guard.h"
 #include "modes.h"
 
 #include <string.h>
@@ -116,7 +117,7 @@ bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, cons
         y->target_elevation = supervisor_elevation(point, u->target_latitude, u->target_longitude,
                                                    supervisor_angle_of_earth(law, x), vector(u->r_N));
     }
-    return true;
+    return supervisor_guard(y, f);
 }
 
 bool supervisor_start(const SupervisorLaw *law, const SupervisorInputs *u, SupervisorState *x, Fault *f)

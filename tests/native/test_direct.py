@@ -207,3 +207,15 @@ def test_what_is_no_date_in_utc_is_refused(epoch: str) -> None:
 @pytest.mark.parametrize("epoch", ["1999-12-31T23:59:59Z", "2030-01-02T00:00:00Z"])
 def test_a_date_before_or_after_the_field_model_is_refused(epoch: str) -> None:
     assert Direct("controller_planned").check(epoch=epoch) == "epoch"
+
+
+def test_a_reference_that_is_no_number_leaves_no_supervisor() -> None:
+    """Above its target along the vertical a velocity along the position spans no plane of an orbit."""
+    direct = Direct("supervisor")
+    target = {"target_latitude": 0.1, "target_longitude": 0.5, "target_height": 0.0}
+    towards = {**target, "first_mode": 3, "rate_time": 0.0, "settled_time": 0.0, "angle_time": 0.0}
+    assert direct.start(**towards) is None
+    assert direct.outputs(**target) is None
+    at = np.array([7.0e6, 1.0e5, -2.0e5])
+    assert direct.outputs(**target, r_N=at, v_N=1e-3 * at) == "R_ref"
+    assert direct.outputs(**target) is None
