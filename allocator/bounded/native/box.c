@@ -51,11 +51,12 @@ static void minimum_on_face(const Box *box, const int side[BOX_N], double x[BOX_
 }
 
 /* By how much x violates the conditions of optimality, in units of x: a free element is outside the box, or the
- * gradient pushes one from its bound inwards, where it alone would move by gradient/H_ii. */
-static double violation(const Box *box, const int side[BOX_N], const double x[BOX_N])
+ * gradient pushes one from its bound inwards, where it alone would move by gradient/H_ii. Where it is `enough` or more,
+ * not all elements are looked at. */
+static double violation(const Box *box, const int side[BOX_N], const double x[BOX_N], double enough)
 {
     double largest_one = -INFINITY;
-    for (int i = 0; i < box->n; ++i) {
+    for (int i = 0; i < box->n && !(largest_one >= enough); ++i) {
         double one = larger(box->low[i] - x[i], x[i] - box->high[i]);
         if (side[i] != FREE) {
             double gradient = -box->g[i];
@@ -75,7 +76,7 @@ static double violation(const Box *box, const int side[BOX_N], const double x[BO
 static void following(int n, int side[BOX_N])
 {
     for (int i = n - 1; i >= 0; --i) {
-        side[i] = (side[i] + 1) % 3;
+        side[i] = side[i] == FREE ? LOW : side[i] == LOW ? HIGH : FREE;
         if (side[i] != FREE) {
             break;
         }
@@ -91,7 +92,7 @@ bool allocator_bounded_box_minimum(const Box *box, double x[BOX_N], double unbou
     }
     for (int face = 0; face < faces && least > 0.0; ++face) {
         minimum_on_face(box, side, candidate);
-        const double found = violation(box, side, candidate);
+        const double found = violation(box, side, candidate, least);
         if (found < least) {
             least = found;
             for (int i = 0; i < box->n; ++i) {

@@ -1,5 +1,5 @@
 /* The functions that compilers call by themselves, for FMUs that are linked with no C library at all.
- * Tests: tests/native/test_elementary.py. */
+ * Tests: tests/native/test_memory.py. */
 #include <stdint.h>
 #include <string.h>
 
@@ -67,6 +67,10 @@ void *(memcpy)(void *restrict to, const void *restrict from, size_t n)
 void *(memset)(void *to, int byte, size_t n)
 {
     unsigned char *t = to;
+    const Word word = (Word)-1 / 255u * (unsigned char)byte;
+    for (; n >= sizeof(Word); n -= sizeof(Word), t += sizeof(Word)) {
+        *(Word *)t = word;
+    }
     while (n-- > 0) {
         *t++ = (unsigned char)byte;
     }
@@ -76,6 +80,9 @@ void *(memset)(void *to, int byte, size_t n)
 int memcmp(const void *left, const void *right, size_t n)
 {
     const unsigned char *l = left, *r = right;
+    while (n >= sizeof(Word) && *(const Word *)l == *(const Word *)r) {
+        n -= sizeof(Word), l += sizeof(Word), r += sizeof(Word);
+    }
     for (; n > 0; --n, ++l, ++r) {
         if (*l != *r) {
             return *l - *r;
