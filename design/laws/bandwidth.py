@@ -37,7 +37,7 @@ def wheels(parameters: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Axes (n,3), torques (n,) N m and momenta (n,) N m s of the wheels that there are."""
     n = int(getattr(parameters, "wheels", 1))
     axes = np.reshape(parameters.wheel_axis, (-1, 3))[:n]
-    return axes, *(np.ravel(getattr(parameters, f"wheel_{name}_max"))[:n] for name in ("torque", "momentum"))
+    return axes, np.ravel(parameters.wheel_torque_max)[:n], np.ravel(parameters.wheel_momentum_max)[:n]
 
 
 @lru_cache
