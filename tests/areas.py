@@ -38,7 +38,7 @@ AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "campaign": (("orchestration/campaign/**/*.py",), ("tests/orchestration/campaign",)),
     "link": (("fmus/link/**/*.py", "fmus/link/**/*.c"), ("tests/fmus/link",)),
     "packaging": (("hatch_build.py", "release/*.py", "fmus/fingerprint.py", "fmus/build.py"),
-                  ("tests/packaging/test_layout.py", "tests/release", "tests/fmus")),
+                  ("tests/packaging/test_layout.py", "tests/packaging/test_wheel.py", "tests/release", "tests/fmus")),
     "scenario": (("orchestration/scenario/*.py", "orchestration/system/*.py"),
                  ("tests/orchestration/scenario", "tests/orchestration/system", "tests/plant/test_inputs.py",
                   "tests/orchestration/test_wrong_input.py", "tests/orchestration/test_timeline.py",

@@ -145,3 +145,16 @@ def _longer(fmu: bytes) -> bytes:
     with zipfile.ZipFile(data, "a") as archive:
         archive.writestr("resources/more", b"")
     return data.getvalue()
+
+
+def test_the_bill_of_a_wheel_has_its_libraries_and_the_version_of_its_script_and_no_other_file(wheel: Path) -> None:
+    script = b"/*! https://github.com/leeoniya/uPlot (v1.6.32) */"
+    with zipfile.ZipFile(wheel, "a") as archive:
+        for name in ("fmus/ready/loop/step.so", "fmus/ready/notes.txt", "other/extra.so"):
+            archive.writestr(f"attitude_cosim/{name}", name)
+        archive.writestr("attitude_cosim/pages/uPlot.iife.min.js", script)
+    components = {c["name"]: c for c in json.loads(sbom.of_wheel(wheel.read_bytes()))["components"]}
+    assert "attitude_cosim/fmus/ready/loop/step.so" in components
+    assert not {name for name in components if "notes" in name or "extra" in name}
+    assert components["uplot"]["version"] == "1.6.32"
+    assert components["uplot"]["hashes"][0]["content"] == hashlib.sha256(script).hexdigest()
