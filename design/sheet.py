@@ -61,7 +61,7 @@ def wheel_axes(text: str) -> list[list[float]] | None:
         except QuantityError as error:
             raise InputError(f"--set wheels: {error}") from None
         if not 0.0 < angle < math.pi / 2:
-            raise InputError(f"--set wheels: expected an angle of 0 to 90 deg, found {text}")
+            raise InputError(f"--set wheels: expected an angle of 0 to 90 deg, such as pyramid 35 deg, found {text}")
         turns = math.pi / 4 + math.pi / 2 * np.arange(SET)
         flat, up = math.cos(angle), math.sin(angle)
         return [[flat * math.cos(turn), flat * math.sin(turn), up] for turn in turns.tolist()]

@@ -80,7 +80,8 @@ def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
             least = least_time(facts, "xyz".index(axis), math.radians(angle))
             ratios.append((math.inf if within[1] is None else within[1]) / least)
             told = [number(t, 4) if t is not None else "not within an orbit" for t in within]
-            rows.append([f"{angle} deg", axis, *told, number(least, 4), number(1e3 * momentum), one.failure or ""])
+            gathered = number(1e3 * momentum) if facts.wheels else "–"
+            rows.append([f"{angle} deg", axis, *told, number(least, 4), gathered, one.failure or ""])
     columns = ["slew", "about", "below 5 deg after, s", "below 1 deg after, s", "least, s"]
     columns += ["largest momentum, mN.m.s", "failed"]
     middle = float(np.median(ratios))
@@ -161,7 +162,8 @@ def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
         rms = math.sqrt(float(np.mean(error**2)))
         momentum = 1e3 * np.abs(one[h_w][last]).max()
         since = np.degrees(one[judge][one.time >= at]).max()
-        told = [number(float(value)) for value in (since, rms, error.max(), momentum)]
+        told = [number(float(value)) for value in (since, rms, error.max())]
+        told.append(number(float(momentum)) if facts.wheels else "–")
         rows.append(
             [name, _found(facts, name, one, at), *told, f"lost: beyond {LOST:g} deg" if error.max() > LOST else ""]
         )

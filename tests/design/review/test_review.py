@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from design.review import compare, content, flights, margins, page, power, run, tumbles
+from design.review import compare, content, flights, manoeuvres, margins, page, power, run, studies, tumbles
 from design.review import facts as of
 from design.review.options import Options, requirements
 from evidence.paper import ROOT
@@ -151,6 +151,32 @@ def test_a_law_that_demands_a_torque_is_opened_there(facts, four_wheels):
     paper = of.facts(ROOT / "scenarios" / "paper_no_singularity.yaml", None)
     ports = [margins._port(found) for found in (paper, of.facts(four_wheels, None), facts)]
     assert ports == ["controller.tau_cmd_B", "controller.tau_cmd_B", "plant.dipole_cmd"]
+
+
+def _quiet(found):
+    """Rows and notes of failures after which nothing moves and no flag is raised."""
+    time = np.linspace(0.0, 3.0 * found.period, 10)
+    judge, h_w = manoeuvres.signals(found)
+    signals = {judge: np.zeros(10), h_w: np.zeros((10, 4)), "estimator.health": np.ones((10, 5))}
+    signals |= {f"controller.{part}_failed": np.zeros(10) for part in ("rod", "wheel")}
+    signals["allocator.wheel_failed"] = np.zeros((10, 4))
+    one = flights.Flown(time, signals, "", found.file)
+    names = [f"failure-{name.replace(' ', '_')}" for name in ("none", *studies.failures(found))]
+    section, _ = manoeuvres.failures(found, dict.fromkeys(names, one))
+    return {row[0]: row for row in section.tables[0].rows}, " ".join(section.notes)
+
+
+def test_failures_say_what_raises_no_flag_and_what_a_set_of_wheels_loses(satellite, four_wheels):
+    rows, notes = _quiet(of.facts(satellite.parents[1] / "none" / "tumble.yaml", None))
+    assert {row[5] for row in rows.values()} == {"–"}, "there is no wheel"
+    assert rows["sun sensors lost"][1] == "no flag: gives nothing"
+    assert rows["gyro frozen"][1] == "not found"
+    assert "no failure to the estimator" in notes
+    assert "momenta of the wheels" not in notes
+    rows, notes = _quiet(of.facts(four_wheels, None))
+    assert rows["star tracker lost"][1] == "no flag: gives nothing"
+    assert rows["wheel 1 stuck"][5] == "0"
+    assert "it is not told the momenta of the wheels" in notes
 
 
 def test_a_law_in_python_is_reviewed_as_a_block_is_and_one_that_fails_at_once_by_its_file(
