@@ -149,7 +149,10 @@ def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, m
         ({"wheels": "two"}, "--set wheels: expected none, one, three axes, pyramid 35 deg or a list of axes"),
         ({"wheels": "[[1, 0, 0], [0, 1, 0], [1, 1, 0]]"}, "--set wheels: expected three or four axes of three numbers"),
         ({"wheels": "[[1, 0, 0], [0, 1, 0]]"}, "--set wheels: expected three or four axes of three numbers that span"),
-        ({"wheels": "pyramid 95 deg"}, "--set wheels: expected an angle of 0 to 90 deg, found pyramid 95 deg"),
+        (
+            {"wheels": "pyramid 95 deg"},
+            "--set wheels: expected an angle of 0 to 90 deg, such as pyramid 35 deg, found pyramid 95 deg",
+        ),
         ({"sensors": "x.yaml"}, "--set sensors: expected cubesat, star tracker, perfect or the path of a file, found"),
         (
             {"step": "0.04 s"},
