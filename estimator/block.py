@@ -114,8 +114,8 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
     """From t to t + h; u are the measurements at t + h."""
-    if not h <= STEP_MAX:
-        raise ValueError(f"step: expected at most {STEP_MAX:g} s, found {h}")
+    if not 0.0 <= h <= STEP_MAX:
+        raise ValueError(f"step: expected at least 0 and at most {STEP_MAX:g} s, found {h}")
     x = _stepped(Estimate.unpacked(x.now), _banked(x), u, p, h, (u.counts < 0) | (u.counts != x.counts))
     return x, _given_out(Estimate.unpacked(x.now), p, _banked(x))
 

@@ -143,8 +143,8 @@ bool estimator_outputs(const EstimatorLaw *law, const EstimatorState *x, const E
 bool estimator_step(const EstimatorLaw *law, EstimatorState *x, const EstimatorInputs *u, double h, EstimatorOutputs *y,
                     Fault *f)
 {
-    if (!(h <= STEP_MAX)) {
-        return fault(f, "communicationStepSize", h, "at most 1000 s");
+    if (!(h >= 0.0 && h <= STEP_MAX)) {
+        return fault(f, "communicationStepSize", h, "at least 0 and at most 1000 s");
     }
     if (!measurements_fit(u, f) || !actuators_fit(u, f)) {
         return false;

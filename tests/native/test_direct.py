@@ -219,3 +219,11 @@ def test_a_reference_that_is_no_number_leaves_no_supervisor() -> None:
     at = np.array([7.0e6, 1.0e5, -2.0e5])
     assert direct.outputs(**target, r_N=at, v_N=1e-3 * at) == "R_ref"
     assert direct.outputs(**target) is None
+
+
+@pytest.mark.parametrize("h", [-1e12, -0.1, 1000.1, math.inf, math.nan])
+def test_an_estimator_refuses_a_step_that_is_negative_too_long_or_no_number(h: float) -> None:
+    direct = Direct("estimator")
+    assert direct.start() is None
+    assert direct.step(h) == "communicationStepSize"
+    assert direct.step(0.1) is None
