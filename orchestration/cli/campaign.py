@@ -1,6 +1,6 @@
 """`orchestrate campaign`: a scenario flown again and again, and a verdict on each requirement.
 
-Tests: tests/orchestration/campaign/test_engine.py, report/test_page.py.
+Tests: tests/orchestration/campaign/test_engine.py, tests/orchestration/campaign/report/test_page.py.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 /* The last look at the outputs, whatever was computed before: what is not finite leaves no flight software.
- * Requirement: FC-4. Tests: tests/native/test_supervisor_guard.py. */
+ * Requirement: FC-4. Tests: tests/native/test_direct.py. */
 #include "guard.h"
 
 #include "finite.h"

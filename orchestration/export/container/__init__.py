@@ -4,7 +4,7 @@ The library is the C of this folder around the master's own loop.c. What it need
 stands in resources/container.bin, so one serves every scenario, and no compiler is needed where it is ready-made. Its
 steps are those of the scenario, whatever the host's step is; inside, time begins at 0.
 
-Tests: tests/orchestration/export/test_container.py, tests/tools/test_container.py.
+Tests: tests/orchestration/export/test_container.py.
 """
 
 from __future__ import annotations
