@@ -3,7 +3,9 @@
 Changes one token of the area's code at a time, in Python and C, and prints the changes that none of its tests sees.
 Exit status 1 where there are any. `python -m tests.mutants` makes all changes of some modules by mutmut, but none of C.
 Changes that no test can see stand in areas.toml, each with its reason.
-Works in a copy of the tree. A change that no compiler takes, and a test that does not end, count as seen.
+Works in copies of the tree. A change that no compiler takes, and a test that does not end, count as seen.
+The first run, without a change, takes the time of each test file: the quickest come first. `--only 7,12` tries two of
+the changes that a seed draws again.
 Tests: tests/test_areas.py.
 """
 
@@ -13,15 +15,23 @@ import io
 import os
 import random
 import re
+import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import tokenize
 import tomllib
 import warnings
+import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
+from queue import SimpleQueue
+from time import monotonic
 
 import click
 
@@ -33,6 +43,7 @@ _C = (
     "tests/native/test_history.py",
     *(f"tests/native/test_history_{name}.py" for name in ("estimator", "laws")),
 )
+_PLANNER = "tests/controller/planned", "tests/native/test_planned.py"
 AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "acceptance": (("orchestration/acceptance/**/*.py",), ("tests/orchestration/acceptance",)),
     "campaign": (("orchestration/campaign/**/*.py",), ("tests/orchestration/campaign",)),
@@ -52,8 +63,15 @@ AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "allocator in C": (("allocator/**/native/*.c",), ("tests/allocator", *_C)),
     "controller in C": (("controller/native/*.c",), ("tests/controller", *_C)),
     "estimator in C": (("estimator/native/*.c",), ("tests/estimator", *_C)),
-    "planner in C": (("controller/planned/native/**/*.c",),
-                     ("tests/controller/planned", "tests/native/test_planned.py")),
+    "planner's watches in C": (
+        ("controller/planned/native/estimate/*.c", "controller/planned/native/decide/*.c",
+         "controller/planned/native/controller_planned.c",
+         "controller/planned/native/inputs.c"),
+        _PLANNER),
+    "planner's plans in C": (
+        ("controller/planned/native/plan/*.c", "controller/planned/native/motion.c",
+         "controller/planned/native/scales.c", "controller/planned/native/parameters.c"),
+        _PLANNER),
     "sensors in C": (("plant/sensors/native/*.c",), ("tests/plant/sensors", *_C)),
     "supervisor in C": (("supervisor/native/*.c",), ("tests/supervisor", *_C)),
 }  # fmt: skip
@@ -104,75 +122,153 @@ def _compiles(text: str) -> bool:
     return True
 
 
+@dataclass(frozen=True)
+class Change:
+    """Of one token of a file, whose text the change gives."""
+
+    number: int
+    file: str
+    line: int
+    words: str
+    text: str
+
+
+def drawn(root: Path, area: str, count: int, seed: int) -> Iterator[Change]:
+    """Yields the changes that a seed draws in the code of an area, larger files more often."""
+    draw = random.Random(seed)
+    files = [path for pattern in AREAS[area][0] for path in sorted(root.glob(pattern)) if path.stem != "__init__"]
+    files = [path for path in files if any(changes(path))]
+    for number in range(1, count + 1):
+        path = draw.choices(files, [path.stat().st_size for path in files])[0]
+        begin, end, other = draw.choice(list(changes(path)))
+        text = path.read_text("utf-8")
+        line = text.count("\n", 0, begin)
+        words = f"{text[begin:end]!r} -> {other!r}: {text.splitlines()[line].strip()}"
+        yield Change(number, path.relative_to(root).as_posix(), line + 1, words, text[:begin] + other + text[end:])
+
+
 @click.command()
 @click.argument("area", type=click.Choice(list(AREAS)))
 @click.option("--count", default=15, show_default=True, help="How many changes.")
 @click.option("--seed", default=1, show_default=True, help="Draws them.")
-def main(area: str, count: int, seed: int) -> None:
+@click.option("--only", default="", metavar="N,N,...", help="Try these of them alone.")
+@click.option("--processes", default=1, show_default=True, help="How many are tried side by side.")
+@click.option(
+    "--share",
+    type=click.FloatRange(0.0, 1.0),
+    help="Only the quickest of the tests of `make test`, which take this share of their time.",
+)
+def main(area: str, count: int, seed: int, only: str, processes: int, share: float | None) -> None:
     """Count what the tests of AREA see of changes to its code."""
+    chosen = [one for one in drawn(ROOT, area, count, seed) if not only or str(one.number) in only.split(",")]
     with tempfile.TemporaryDirectory() as folder:
-        sys.exit(1 if _unseen(area, count, random.Random(seed), Path(folder)) else 0)
+        sys.exit(1 if _unseen(area, chosen, share, Path(folder), processes) else 0)
 
 
-def _unseen(area: str, count: int, draw: random.Random, folder: Path) -> int:
-    copy(folder)
-    if (ROOT / "out" / "fmus").is_dir():
-        shutil.copytree(ROOT / "out" / "fmus", folder / "out" / "fmus")
-    sources, tests = AREAS[area]
-    files = [path for pattern in sources for path in sorted(folder.glob(pattern)) if path.stem != "__init__"]
-    for kind in _KINDS:
-        if (end := _run(folder, tests, kind)) is None or end.returncode not in _FINE:
-            last = "they did not end" if end is None else end.stdout[-2000:]
-            raise click.ClickException(f"the tests of {area} fail without a change:\n{last}")
-    unseen = equal = 0
-    files = [path for path in files if any(changes(path))]
-    for number in range(1, count + 1):
-        path = draw.choices(files, [path.stat().st_size for path in files])[0]
-        possible = list(changes(path))
-        begin, end, other = draw.choice(possible)
-        text = path.read_text("utf-8")
-        line = text.count("\n", 0, begin)
-        change = f"{text[begin:end]!r} -> {other!r}: {text.splitlines()[line].strip()}"
-        name = path.relative_to(folder).as_posix()
-        if reason := EQUIVALENT.get(f"{name}: {change}"):
-            equal += 1
-            print(f"{number} equivalent, {reason}: {name}:{line + 1}: {change}", flush=True)
-            continue
-        path.write_text(text[:begin] + other + text[end:], "utf-8")
-        own = [str(test.relative_to(folder)) for test in _named(folder, tests, path.stem)]
-        seen = not (_pass(folder, own, "") and all(_pass(folder, tests, kind) for kind in _KINDS))
-        path.write_text(text, "utf-8")
-        unseen += not seen
-        print(f"{number} {'seen' if seen else 'NOT SEEN'} {name}:{line + 1}: {change}", flush=True)
-    print(f"{area}: {count - unseen - equal} of {count - equal} changes seen, and {equal} that no test can see")
-    return unseen
+def _unseen(area: str, chosen: list[Change], share: float | None, folder: Path, processes: int) -> int:
+    """Tries the changes, each in one of the copies of the tree; returns how many no test saw."""
+    copies: SimpleQueue[Path] = SimpleQueue()
+    for number in range(processes):
+        copies.put(root := folder / str(number))
+        copy(root)
+        for kept in ("fmus", "tests"):
+            if (ROOT / "out" / kept).is_dir():
+                shutil.copytree(ROOT / "out" / kept, root / "out" / kept)
+        if area.endswith(" in C"):
+            _with_objects(root, folder)
+    groups = [_timed(root, area, kind, share or 1.0) for kind in (_KINDS if share is None else _KINDS[:1])]
+
+    def one(change: Change) -> str:
+        name = f"{change.file}: {change.words}"
+        if reason := EQUIVALENT.get(name):
+            end = f"equivalent, {reason}:"
+        else:
+            root = copies.get()
+            path = root / change.file
+            text = path.read_text("utf-8")
+            path.write_text(change.text, "utf-8")
+            end = "seen" if _is_seen(root, groups, path.stem) else "NOT SEEN"
+            path.write_text(text, "utf-8")
+            copies.put(root)
+        print(f"{change.number} {end} {change.file}:{change.line}: {change.words}", flush=True)
+        return end.partition(",")[0]
+
+    with ThreadPoolExecutor(processes) as pool:
+        ends = Counter(pool.map(one, chosen))
+    equal = ends["equivalent"]
+    print(f"{area}: {ends['seen']} of {len(chosen) - equal} changes seen, and {equal} that no test can see")
+    return ends["NOT SEEN"]
 
 
-def _named(folder: Path, tests: Sequence[str], name: str) -> Iterator[Path]:
-    """Yields the test files among `tests` that have the name of the changed file: most changes end there."""
-    for test in tests:
-        path = folder / test
-        yield from [path] if path.stem == f"test_{name}" else sorted(path.rglob(f"test_{name}.py"))
+def _with_objects(root: Path, folder: Path) -> None:
+    """Lets a copy compile for this machine alone, and only what has changed."""
+    toolchain = root / "fmus" / "native" / "toolchain.py"
+    toolchain.write_text(toolchain.read_text("utf-8").replace('("ziglang")', '("no compiler")'), "utf-8")
+    kept, compiler = folder / "objects", folder / "cc"
+    kept.mkdir(exist_ok=True)
+    command = shlex.join([sys.executable, "-I", "-S", str(root / "tests" / "objects.py"), str(kept), "cc"])
+    compiler.write_text(f'#!/bin/sh\nexec {command} "$@"\n', "utf-8")
+    compiler.chmod(0o700)
 
 
-def _pass(folder: Path, tests: Sequence[str], kind: str) -> bool:
-    return not tests or ((end := _run(folder, tests, kind)) is not None and end.returncode in _FINE)
+@dataclass(frozen=True)
+class _Group:
+    """Test files of one kind, those with the name of the changed file first and then the quickest; and a time, s, that
+    they do not take."""
+
+    kind: str
+    files: tuple[str, ...]
+    limit: float
 
 
-def _run(folder: Path, tests: Sequence[str], kind: str) -> subprocess.CompletedProcess[str] | None:
+def _timed(root: Path, area: str, kind: str, share: float) -> _Group:
+    """The files of tests of an area, in the order of the time that they take, those behind a share of it left out.
+
+    Raises ClickException where one fails.
+    """
+    begun = monotonic()
+    report = root / "times.xml"
+    end = _run(root, _Group(kind, AREAS[area][1], 3600.0), ("-n2", f"--junitxml={report}", "-o", "junit_family=xunit1"))
+    if end is None or end.returncode not in _FINE:
+        last = "they did not end" if end is None else end.stdout[-2000:]
+        raise click.ClickException(f"the tests of {area} fail without a change:\n{last}")
+    times: Counter[str] = Counter()
+    for case in ET.parse(report).getroot().iter("testcase"):  # pytest wrote it
+        times[case.attrib["file"]] += float(case.attrib["time"])
+    files = sorted(times, key=times.__getitem__)
+    files = [file for n, file in enumerate(files, 1) if sum(map(times.get, files[:n])) <= share * times.total()]
+    return _Group(kind, tuple(files), 60.0 + 4.0 * (monotonic() - begun))
+
+
+def _is_seen(root: Path, groups: Sequence[_Group], name: str) -> bool:
+    for group in groups:
+        files = sorted(group.files, key=lambda file: Path(file).stem != f"test_{name}")
+        end = _run(root, _Group(group.kind, tuple(files), group.limit)) if files else None
+        if files and (end is None or end.returncode not in _FINE):
+            return True
+    return False
+
+
+def _run(folder: Path, group: _Group, more: Sequence[str] = ()) -> subprocess.CompletedProcess[str] | None:
     """Runs tests in the copy, of which processes that they start import, too; None where they do not end."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:randomly"]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:randomly", *more]
+    command += ["-m", group.kind, *group.files]
+    compiler = folder.parent / "cc"
+    run = subprocess.Popen(
+        command,
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(folder)} | ({"CC": str(compiler)} if compiler.exists() else {}),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    )
     try:
-        return subprocess.run(
-            [*command, "-m", kind, *tests],
-            cwd=folder,
-            env={**os.environ, "PYTHONPATH": str(folder)},
-            capture_output=True,
-            text=True,
-            timeout=1800,
-            check=False,
-        )
+        said = run.communicate(timeout=group.limit)[0]
+        return subprocess.CompletedProcess(command, run.returncode, said)
     except subprocess.TimeoutExpired:
+        os.killpg(run.pid, signal.SIGKILL)
+        run.wait()
         return None
 
 

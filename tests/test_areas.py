@@ -1,10 +1,14 @@
-"""Which changes a seed may draw in an area's code: operators and numbers of code, nothing of text and comments."""
+"""Which changes a seed may draw in an area's code: operators and numbers of code, nothing of text and comments. And the
+compiler that compiles what has changed alone."""
 
+import ctypes
+import shutil
 from pathlib import Path
 
 import pytest
 
-from .areas import AREAS, EQUIVALENT, ROOT, changes
+from . import objects
+from .areas import AREAS, EQUIVALENT, ROOT, changes, drawn
 
 
 def changed(tmp_path: Path, name: str, text: str) -> set[str]:
@@ -40,3 +44,31 @@ def test_each_change_that_no_test_can_see_can_be_drawn():
             line = text.splitlines()[text.count("\n", 0, begin)].strip()
             drawn.add(f"{path.relative_to(ROOT).as_posix()}: {text[begin:end]!r} -> {other!r}: {line}")
     assert EQUIVALENT.keys() <= drawn
+
+
+def test_a_seed_draws_the_same_changes_again_and_fewer_of_them_are_the_first_ones():
+    first, again = (list(drawn(ROOT, "supervisor in C", count, 3)) for count in (4, 2))
+    assert first[:2] == again
+    for change in first:
+        text = (ROOT / change.file).read_text("utf-8")
+        differ = [i for i, (a, b) in enumerate(zip(text.splitlines(), change.text.splitlines(), strict=True)) if a != b]
+        assert differ == [change.line - 1]
+
+
+@pytest.mark.compile
+@pytest.mark.skipif(shutil.which("cc") is None, reason="there is no system compiler")
+def test_the_compiler_keeps_the_objects_of_what_has_not_changed(tmp_path):
+    sources, kept = [tmp_path / "a.c", tmp_path / "b.c"], tmp_path / "kept"
+    kept.mkdir()
+    (tmp_path / "n.h").write_text("enum { N = 2 };\n")
+    sources[0].write_text('#include "n.h"\nint b(void);\nint a(void) { return 10 * N + b(); }\n')
+    for value, count in ((3, 2), (4, 3), (3, 3)):
+        sources[1].write_text(f"int b(void) {{ return {value}; }}\n")
+        library = tmp_path / f"made{value}{count}.so"
+        options = ["-shared", "-fPIC", f"-I{tmp_path}", *map(str, sources), "-o", str(library)]
+        assert objects.main(kept, "cc", options) == 0
+        assert len(list(kept.iterdir())) == count
+        assert ctypes.CDLL(str(library)).a() == 20 + value
+    (tmp_path / "n.h").write_text("enum { N = 5 };\n")
+    assert objects.main(kept, "cc", [*options[:-1], str(tmp_path / "other.so")]) == 0
+    assert ctypes.CDLL(str(tmp_path / "other.so")).a() == 53

@@ -17,6 +17,7 @@ from ..fmu import zipped
 from ..fmu.platforms import PLATFORM
 from ..scenario.source import Source
 from ..scenario.text import parse
+from ..session.limits import limits
 from ..session.open import open_scenario
 from ..session.read import load
 from ..swap.findings import Finding, Fit, unfed
@@ -34,6 +35,8 @@ from .vector import name_of, scenario_of
 
 _INSTANTS = 400
 """Of the run that the trials play."""
+_TIMEOUT = "10 s"
+"""That a call of it may take, where the scenario does not say."""
 _REFERENCE = "reference"
 """What topics of findings about reference data begin with."""
 
@@ -86,7 +89,7 @@ def accept(path: Path, as_: str, map_: Path | None, source: Source, block: str) 
     findings, fitted = check(path, as_, map_, tolerance=1e-6)
     made = Acceptance(facts(str(path), lenient=True), block, load(source).name, findings, fitted)
     made.mapping, made.license = str(map_ or ""), _license(path)
-    theirs = swapped(source, [Swap(block, str(path), "FMU", str(map_) if map_ else None, "--map")])
+    theirs = patient(swapped(source, [Swap(block, str(path), "FMU", str(map_) if map_ else None, "--map")]), block)
     if map_ is None and fitted is not None and made.errors:
         made.proposed, made.mapping = suggest(fitted), "proposed"
         data: Any = parse(made.proposed, "the mapping that is proposed").data
@@ -109,6 +112,14 @@ def accept(path: Path, as_: str, map_: Path | None, source: Source, block: str) 
     made.alone = judge(source, theirs, made.comparison)
     made.trials = tried(theirs, block, _inputs(made.comparison))
     return made
+
+
+def patient(theirs: Source, block: str) -> Source:
+    """Returns the scenario with the time that a call of the block may take, where it has a process of its own."""
+    scenario = load(theirs)
+    if scenario.blocks[block].timeout is not None or limits(scenario, block) is None:
+        return theirs
+    return theirs.with_entry(("blocks", block, "timeout"), _TIMEOUT)
 
 
 def scenario_for(block: str) -> Path:

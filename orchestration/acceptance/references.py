@@ -17,6 +17,8 @@ from .difference import ROUNDING
 from .experiments import Experiment, Table
 
 _TOPIC = "reference"
+_TIMEOUT = "10 s"
+"""That a call may take."""
 
 
 def look(path: Path, model: Model, default: Any, tolerance: float, findings: list[Finding]) -> None:
@@ -41,6 +43,8 @@ def play(
     steps = int(experiment.stop / experiment.step * (1.0 + 1e-12))
     time = np.asarray(experiment.step * np.arange(steps + 1), np.float64)
     entry = {"fmu": str(path.resolve()), "start": experiment.start, "isolation": isolation}
+    if isolation == "process":
+        entry["timeout"] = _TIMEOUT
     try:
         played = run(entry, model, time, experiment.stimuli)
     except InputError as error:

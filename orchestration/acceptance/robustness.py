@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
@@ -20,13 +21,14 @@ import numpy as np
 from ..errors import BlockError
 from ..fmu.model import Floats
 from ..scenario.source import Source
+from .polarity.apart import bound, bounds
 from .polarity.bench import Bench
 from .polarity.fly import Loop
 
 Inputs = dict[str, Floats]
 Outputs = dict[str, Floats]
 _LIMIT = 90.0
-"""Seconds that all trials may take."""
+"""Seconds that all trials may take; a call of them may take what the block's 'timeout' allows."""
 _WARM = 20
 """Calls that are not timed at first."""
 
@@ -46,25 +48,33 @@ def tried(source: Source, block: str, inputs: Inputs) -> list[Trial]:
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder, "trials")
         context = multiprocessing.get_context("spawn")
-        process = context.Process(target=_all, args=(source, block, inputs, str(log)), daemon=True)
+        told, into = context.Pipe(duplex=False)
+        process = context.Process(target=_all, args=(source, block, inputs, str(log), into), daemon=True)
         process.start()
         process.join(_LIMIT)
         late = process.is_alive()
         if late:
             process.kill()
             process.join()
+        stuck = told.recv() if told.poll() else None
+        told.close()
+        into.close()
         lines = [json.loads(line) for line in log.read_text("utf-8").splitlines()] if log.exists() else []
     done = [Trial(**line) for line in lines if "status" in line]
     names = [line["name"] for line in lines]
     if names and names[-1] not in [trial.name for trial in done]:
         how = f"did not end within {_LIMIT:g} s" if late else f"ended its process, with status {process.exitcode}"
+        if stuck is not None:
+            call, seconds = stuck
+            how = f"did not return from {call.removeprefix(f'{block}: ')} within {seconds:g} s"
         done.append(Trial(names[-1], "failed", f"the FMU {how}"))
     elif not names:
         done.append(Trial("trials", "failed", "the process of the trials ended before the first"))
     return done
 
 
-def _all(source: Source, block: str, inputs: Inputs, log: str) -> None:
+def _all(source: Source, block: str, inputs: Inputs, log: str, into: Connection) -> None:
+    bound(into, *bounds(source, block))
     with open(log, "w", encoding="utf-8", buffering=1) as file, ExitStack() as stack:
         loop = Loop(source)
         for name, trial in _trials(loop, block, inputs, stack):
@@ -73,6 +83,8 @@ def _all(source: Source, block: str, inputs: Inputs, log: str) -> None:
                 status, text = trial()
             except BlockError as error:
                 status, text = "failed", str(error)
+            except MemoryError:
+                status, text = "failed", "it used up the memory that the block's 'memory' allows"
             file.write(json.dumps(asdict(Trial(name, status, text))) + "\n")
 
 

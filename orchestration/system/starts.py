@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..errors import InputError, Place, Problem, hint
+from ..errors import InputError, Place, Problem, hint, nearest, suggestion
 from ..fmu.model import Element, Model, NameUnknown, Variable
 from ..quantities import QuantityError
 from ..scenario.references import Name
@@ -73,6 +73,8 @@ def _untaken(scenario: Scenario, models: Mapping[str, Model]) -> list[Problem]:
             if name.variable in type(scenario).model_fields:
                 text = f"{name.variable} is no parameter but a key of the scenario"
                 remedy = f"--{name} '{value}'" if name in TIMES else f"a file that extends it and has {name.variable!r}"
+            elif (near := nearest(name.variable, {*known, *TIMES})) in TIMES:
+                text, remedy = f"no block has a parameter {name.variable!r}{suggestion(near)}", f"--{near} '{value}'"
             errors.append(scenario.error(("shared", name), text, remedy=remedy))
     return errors
 

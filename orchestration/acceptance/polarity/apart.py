@@ -19,10 +19,12 @@ from typing import Any, ParamSpec, TypeVar, cast
 
 from ...errors import BlockError, InputError
 from ...fmu.interfaces import is_path
+from ...fmu.zipped import size_text
+from ...instances import confine
 from ...instances.guest import TRACE
 from ...scenario.load import load
 from ...scenario.source import Source
-from ...session.limits import TIMEOUT, limits
+from ...session.limits import MEMORY, TIMEOUT, limits
 from .fly import Found, Loop
 
 P = ParamSpec("P")
@@ -43,11 +45,14 @@ def guarded(source: Source, workers: int, begin: Callable[..., None] | None = No
     Raises BlockError where one of them ends, or a call of the FMU takes longer than it may.
     """
     told, into = multiprocessing.Pipe(duplex=False)
+    name, (_, memory) = " or ".join(_foreign(source)) or "a block", bounds(source)
     try:
-        with ProcessPoolExecutor(workers, initializer=_begin, initargs=(into, _patience(source), begin, args)) as pool:
+        with ProcessPoolExecutor(workers, initializer=_begin, initargs=(into, bounds(source), begin, args)) as pool:
             yield pool
+    except MemoryError:
+        problem = f"used up the {size_text(memory)} that the block's 'memory' allows"
+        raise BlockError(name, "a run", problem, None) from None
     except BrokenProcessPool:
-        name = " or ".join(_foreign(source)) or "a block"
         if not told.poll():
             raise BlockError(name, "a run", "ended the process of its trials", None) from None
         call, seconds = told.recv()
@@ -59,17 +64,26 @@ def guarded(source: Source, workers: int, begin: Callable[..., None] | None = No
         into.close()
 
 
-def _patience(source: Source) -> float:
-    """Seconds that a call may take: the longest that a block has."""
+def bounds(source: Source, block: str | None = None) -> tuple[float, int]:
+    """Returns the seconds that a call may take, and the bytes that all may: of a block, or the most that one has."""
     scenario = load(source)
-    return max((found.timeout for name in scenario.blocks if (found := limits(scenario, name))), default=TIMEOUT)
+    names = scenario.blocks if block is None else [block]
+    found = [one for name in names if (one := limits(scenario, name))]
+    seconds = max((one.timeout for one in found), default=TIMEOUT)
+    return seconds, max((one.memory for one in found if one.memory is not None), default=MEMORY)
 
 
-def _begin(into: Connection, seconds: float, begin: Callable[..., None] | None, args: Sequence[Any]) -> None:
-    TRACE.renew()
-    threading.Thread(target=_watch, args=(into, seconds), daemon=True).start()
+def _begin(into: Connection, bounds: tuple[float, int], begin: Callable[..., None] | None, args: Sequence[Any]) -> None:
+    bound(into, *bounds)
     if begin is not None:
         begin(*args)
+
+
+def bound(into: Connection, seconds: float, memory: int) -> None:
+    """Bounds the memory of this process, and ends it where a call of an FMU takes longer: `into` is told which."""
+    TRACE.renew()
+    confine.limit_memory(memory)
+    threading.Thread(target=_watch, args=(into, seconds), daemon=True).start()
 
 
 def _watch(into: Connection, seconds: float) -> None:

@@ -5,8 +5,9 @@ Tests: tests/orchestration/acceptance/test_polarity.py.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import ExitStack
+import struct
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from time import monotonic, perf_counter, thread_time
 from typing import Any
 
@@ -15,6 +16,7 @@ import numpy as np
 from ...errors import BlockError
 from ...fmu.model import TYPES, Element, Floats
 from ...instances.block import Block
+from ...instances.guest import TRACE
 from ...instances.slave import Slave
 from ...system.wiring import Node
 from ...temporary import temporary
@@ -38,6 +40,21 @@ def flown_inputs(loop: Loop, block: str, signals: Mapping[Node, Floats]) -> dict
                 columns[target.element.position] = signals[source] * link.factor + link.offset
     whole = {name: columns for name, columns in given.items() if len(columns) == variables[name].size}
     return {name: np.stack([columns[i] for i in range(len(columns))], axis=1) for name, columns in whole.items()}
+
+
+_CALL = struct.Struct("<qq")
+_NONE, _SET, _DO_STEP, _GET = range(4)
+"""What a guest tells of itself, as Trace reads it: the steps done, and the call that runs."""
+
+
+@contextmanager
+def _told(block: str, call: str) -> Iterator[None]:
+    """Tells the call that runs, for who waits for this process."""
+    TRACE.at(block, call)
+    try:
+        yield
+    finally:
+        TRACE.rest()
 
 
 class Bench:
@@ -136,7 +153,8 @@ class Bench:
         """Returns the instance, set back to its start; a new one where there is none, or where it cannot be reset."""
         try:
             if self._slave is not None:
-                self._slave.reset()
+                with _told(self.block, f"{self.model.prefix}Reset"):
+                    self._slave.reset()
         except BlockError:
             self.keeps_instance = False
             self._close()
@@ -149,15 +167,23 @@ class Bench:
         kinds = [TYPES.index(variables[e.variable].type) for e in elements]
         self._order = np.argsort(kinds, kind="stable")
         self._elements = [elements[i] for i in self._order]
-        self._slave = Slave(self.block, self._fmu, self._folder)
+        with _told(self.block, "loading and instantiating it"):
+            self._slave = Slave(self.block, self._fmu, self._folder)
         self._stepped: Block = self.opened.adapted(self._slave)
         self._given: Floats | None = None
+        self._place = TRACE.place(self.block, self.model.prefix, self.step)
         return self._slave
 
     def _begun(
         self, table: Floats, parameters: Mapping[Element, float] | None = None, stop: float | None = None
     ) -> list[Floats]:
         """Initializes it, and returns its outputs at the start."""
+        with _told(self.block, "its initialization"):
+            return self._initialized(table, parameters, stop)
+
+    def _initialized(
+        self, table: Floats, parameters: Mapping[Element, float] | None, stop: float | None
+    ) -> list[Floats]:
         block = self._stepped
         block.set([*self.starts, *(parameters or {}).items()])
         block.enter(self.step * len(table) if stop is None else stop)
@@ -173,15 +199,21 @@ class Bench:
         """Makes the steps to the rows from this one on, and returns the outputs at each; `count` were made before."""
         block, into, given, rows = self._stepped, self._into, self._given, []
         assert given is not None
-        for done, values in enumerate(table[first:], first - 1 if count is None else count):
-            given[:] = values
-            begun = perf_counter()
-            block.set_inputs()
-            block.do_step(done * self.step, self.step)
-            block.get_all()
-            if self.seconds is not None:
-                self.seconds.append(perf_counter() - begun)
-            rows.append(into.copy())
+        try:
+            for done, values in enumerate(table[first:], first - 1 if count is None else count):
+                given[:] = values
+                begun = perf_counter()
+                _CALL.pack_into(TRACE.page, self._place, done, _SET)
+                block.set_inputs()
+                _CALL.pack_into(TRACE.page, self._place, done, _DO_STEP)
+                block.do_step(done * self.step, self.step)
+                _CALL.pack_into(TRACE.page, self._place, done, _GET)
+                block.get_all()
+                if self.seconds is not None:
+                    self.seconds.append(perf_counter() - begun)
+                rows.append(into.copy())
+        finally:
+            _CALL.pack_into(TRACE.page, self._place, 0, _NONE)
         return rows
 
     def _close(self) -> None:

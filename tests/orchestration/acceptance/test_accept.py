@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from time import monotonic
 
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
+from orchestration.acceptance.accept import patient
 from orchestration.acceptance.accept_page import how
+from orchestration.acceptance.polarity.apart import bounds
 from orchestration.cli.main import main
 from orchestration.fmu.model import Element, Variable
+from orchestration.session.limits import TIMEOUT
+from orchestration.session.read import read
 from orchestration.swap.findings import Link
 
 from .. import fmus, vendor
 from ..swapped import swapped
+from ..wrong_inputs import SCENARIO
 
 pytestmark = [pytest.mark.compile, pytest.mark.isolate]
 
@@ -94,6 +100,44 @@ def test_what_breaks_a_host_is_told_by_its_trial(folder: Path, direct: str, tria
     (one,) = [one for name, one in found.items() if name.startswith(trial)]
     assert one["status"] == "failed"
     assert text in one["text"]
+
+
+HANGS = "({ while (*(volatile double *)&(x)[2] %s) {} (x)[3]*(x)[2]; })"
+
+
+@pytest.mark.parametrize(
+    ("input_", "name", "text"),
+    [
+        (
+            "> 1e4",
+            "an input that is 1e6 times as large does no harm",
+            "did not return from fmi2Get at 0.9 s within 1 s",
+        ),
+        ("< 1e4", "the loop flies with it", "return within 1 s (the block's 'timeout')"),
+    ],
+)
+def test_a_call_that_hangs_ends_after_the_time_that_a_call_may_take_and_is_named(
+    folder: Path, input_: str, name: str, text: str
+):
+    scenario = Path("loop.yaml")
+    words = scenario.read_text("utf-8").replace("isolation: none\n", "")
+    scenario.write_text(words.replace("fmu: regulator.fmu", "fmu: regulator.fmu\n    timeout: 1 s"), "utf-8")
+    fmus.write(folder / "vendor.fmu", vendor.description(), fmus.library("probe", f"-DDIRECT(x)={HANGS % input_}"))
+    begun = monotonic()
+    result, found = accept("--map", "mapping.yaml")
+    assert monotonic() - begun < 30.0
+    assert result.exit_code in (1, 3), result.output
+    assert found[name]["status"] == "failed"
+    assert text in found[name]["text"]
+
+
+def test_a_call_of_an_fmu_that_is_accepted_or_refused_may_take_ten_seconds_unless_the_scenario_says_otherwise(
+    folder: Path,
+):
+    for words, seconds in (("", 10.0), ("    timeout: 3 s\n", 3.0), ("    isolation: none\n", TIMEOUT)):
+        text = SCENARIO.replace("fmu: regulator.fmu\n", f"fmu: regulator.fmu\n{words}")
+        Path("loop.yaml").write_text(text, "utf-8")
+        assert bounds(patient(read(Path("loop.yaml")), "regulator"), "regulator")[0] == seconds
 
 
 def test_links_are_put_in_some_words():

@@ -13,6 +13,7 @@ from random import Random
 import numpy as np
 import pytest
 
+from orchestration.acceptance.polarity.apart import apart
 from orchestration.acceptance.polarity.card import card
 from orchestration.acceptance.polarity.fly import Loop
 from orchestration.acceptance.polarity.mend import as_yaml
@@ -20,6 +21,7 @@ from orchestration.acceptance.polarity.ports import Port, miswired
 from orchestration.acceptance.polarity.swaps import look
 from orchestration.acceptance.polarity.trials import ports_of, run
 from orchestration.acceptance.polarity.wrongs import left_handed, wrongs
+from orchestration.errors import BlockError
 from orchestration.quantities import parse_unit
 from orchestration.scenario.text import parse
 from orchestration.session.open import open_scenario
@@ -286,6 +288,16 @@ def test_an_fmu_that_does_not_return_or_ends_the_process_is_named_within_its_tim
     done = orchestrate("polarity", tmp_path / "x.yaml", "--swap", f"allocator={fmu}", "--out", tmp_path / "out")
     assert (done.exit_code, bool(re.search(told, done.stderr))) == (3, True), done.stderr
     assert time.monotonic() - begun < 40.0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
+def test_the_process_of_a_search_takes_no_more_memory_than_its_block_may(tmp_path):
+    data = {"name": "x", "extends": str(SCENARIOS / "paper_no_singularity.yaml")}
+    limited = {"blocks": {"allocator": {"isolation": "process", "memory": "200 MB"}}}
+    (tmp_path / "x.yaml").write_text(json.dumps(data | limited))
+    assert len(apart(read(tmp_path / "x.yaml"), bytes, 20_000_000)) == 20_000_000
+    with pytest.raises(BlockError, match="used up the 200 MB that the block's 'memory' allows"):
+        apart(read(tmp_path / "x.yaml"), bytes, 300_000_000)
 
 
 @pytest.mark.compile

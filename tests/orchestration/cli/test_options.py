@@ -204,3 +204,9 @@ def test_a_key_of_the_scenario_is_no_start_value_and_what_changes_it_is_said(giv
     name = given.partition("=")[0]
     assert result.exit_code == 2
     assert f"--set {given}: {name} is no parameter but a key of the scenario; remedy: {remedy}" in result.stderr
+
+
+def test_a_mistyped_key_that_has_an_option_is_told_by_it():
+    for given, near, remedy in (("duraton=3", "duration", "--duration '3'"), ("stepp=1 s", "step", "--step '1 s'")):
+        result = orchestrate("validate", ROOT / "scenarios" / "minimal.yaml", "--set", given)
+        assert f"did you mean {near!r}?; remedy: {remedy}" in result.stderr, result.stderr
