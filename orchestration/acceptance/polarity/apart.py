@@ -90,8 +90,12 @@ def _watch(into: Connection, seconds: float) -> None:
     """Ends this process where a call of an FMU takes too long, and tells which."""
     last, since = None, monotonic()
     while not threading.Event().wait(min(0.2, seconds / 4)):
-        if last is None or TRACE.running != last:
-            last, since = TRACE.running, monotonic()
+        try:
+            running = TRACE.running
+        except ValueError:
+            continue  # its text is being written
+        if last is None or running != last:
+            last, since = running, monotonic()
         elif monotonic() - since > seconds:
             into.send((last[1], seconds))
             os._exit(1)
