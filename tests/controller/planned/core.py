@@ -36,7 +36,9 @@ def library() -> ctypes.CDLL:
     """The controller's C with the probe as a shared library."""
     texts = generated_sources(load(_BLOCK), NATIVE.parent)
     sources = sorted(NATIVE.rglob("*.c"))
-    probes = [Path(__file__).with_name(name) for name in ("probe.c", "probe_inputs.c", "probe_watches.c")]
+    probes = [
+        Path(__file__).with_name(name) for name in ("probe.c", "probe_filter.c", "probe_inputs.c", "probe_watches.c")
+    ]
     common = [ROOT / "fmus" / "native" / "common", NATIVE]
     host = host_platform()
 
@@ -55,6 +57,7 @@ def library() -> ctypes.CDLL:
         "probe_plan_cost",
         "probe_guessed",
         "probe_steer",
+        "probe_learn",
     ):
         getattr(lib, name).restype = c_double
     return lib
@@ -364,12 +367,62 @@ def wheel_failed(dt: float, T: float, torque: Array, h_w: Array, h_w_next: Array
     return failed(), stuck()
 
 
-def coulomb_friction(dt: float, T: float, torque: Array, h_w: Array, h_w_next: Array) -> Array:
-    """N m, as the default wheel's is known after each of n samples (n,)."""
-    n, p, found = len(torque), filled(_BLOCK, "parameter"), (c_double * len(torque))()
+def friction(dt: float, T: float, torque: Array, h_w: Array, h_w_next: Array) -> Array:
+    """Coulomb friction, N m, and viscous friction, 1/s, as the default wheel's are known after each of n samples
+    (n, 2)."""
+    n, p, (room, values) = len(torque), filled(_BLOCK, "parameter"), room_for(len(torque), 2)
     given = doubles(torque), doubles(h_w), doubles(h_w_next)
-    library().probe_friction(byref(p), c_double(dt), c_double(T), n, *given, found)
-    return np.array(found)
+    library().probe_friction(byref(p), c_double(dt), c_double(T), n, *given, room)
+    return values()
+
+
+def wheel_rates(dt: float, T: float, torque: Array, h_w: Array, h_w_next: Array) -> Array:
+    """N m (n,), at which the momentum of the default wheel, without friction, is taken to change after each of n
+    samples."""
+    n, p, (room, values) = len(torque), filled(_BLOCK, "parameter"), room_for(len(torque))
+    given = doubles(torque), doubles(h_w), doubles(h_w_next)
+    library().probe_wheel_rate(byref(p), c_double(dt), c_double(T), n, *given, room)
+    return values()
+
+
+def propagated(m: Satellite, a: Around, x: Motion, u: ArrayLike, dt: float, P: Array) -> Array:
+    """The filter's covariance (24, 24) after a sample, without noise of the model."""
+    after = doubles(P)
+    library().probe_propagate(m.c(), a.c(), x.c(), doubles(u), c_double(dt), after)
+    return np.array(after).reshape(24, 24)
+
+
+def corrected(
+    variance: ArrayLike, excess: ArrayLike, sigma: ArrayLike, innovation: Array, P: Array
+) -> tuple[Array, Array, Array]:
+    """Covariance (24, 24), change of the unknowns (18,) and gain (6, 6) of a measurement with innovations (6,);
+    `sigma` (3,) is that of an estimated attitude, or 0."""
+    after, (p, unknowns), (k, gain) = doubles(P), room_for(18), room_for(6, 6)
+    library().probe_correct(doubles(variance), doubles(excess), doubles(sigma), doubles(innovation), after, p, k)
+    return np.array(after).reshape(24, 24), unknowns(), gain()
+
+
+@dataclass(frozen=True)
+class Learned:
+    """What the filter has after each sample: excess (n, 3) of attitude, rate and model, mean cosine (n, 2) of
+    attitude and rate, evidence (n,), samples rejected in turn (n,), gain (n,) of the rate about x; and T, s."""
+
+    excess: Array
+    alike: Array
+    evidence: Array
+    rejected: Array
+    gain: Array
+    T: float
+
+
+def learned(dt: float, turn: Array, rate: Array, nominal: Array, **parameters: Any) -> Learned:
+    """Of innovations (n, 3) each, from the start on, of the default satellite."""
+    p, u = filled(_BLOCK, "parameter", **parameters), filled(_BLOCK, "input")
+    room, values = room_for(len(turn), 8)
+    given = doubles(turn), doubles(rate), doubles(nominal)
+    T = float(library().probe_learn(byref(p), byref(u), c_double(dt), len(turn), *given, room))
+    found = values()
+    return Learned(found[:, :3], found[:, 3:5], found[:, 5], found[:, 6], found[:, 7], T)
 
 
 def sizes() -> tuple[int, int]:

@@ -76,15 +76,26 @@ PROBE void probe_watch_wheel(const ControllerPlannedParameters *p, double dt, do
     }
 }
 
-/* The same torques and momenta: what is known of the wheel's Coulomb friction. */
+/* The same torques and momenta: what is known of the wheel's friction, Coulomb's and viscous, (n,2). */
 PROBE void probe_friction(const ControllerPlannedParameters *p, double dt, double T, int n, const double *torque,
-                          const double *l, const double *l_next, double *coulomb)
+                          const double *l, const double *l_next, double *known)
 {
     Friction friction;
     controller_planned_friction_start(p, T, &friction);
     for (int i = 0; i < n; ++i) {
         controller_planned_friction_learn(dt, torque[i], l[i], l_next[i], &friction);
-        coulomb[i] = friction.p[0];
+        memcpy(known + 2 * i, friction.p, sizeof friction.p);
+    }
+}
+
+/* The same: how fast the momentum of a wheel without friction is taken to change. */
+PROBE void probe_wheel_rate(const ControllerPlannedParameters *p, double dt, double T, int n, const double *torque,
+                            const double *l, const double *l_next, double *rate)
+{
+    Friction friction;
+    controller_planned_friction_start(p, T, &friction);
+    for (int i = 0; i < n; ++i) {
+        rate[i] = controller_planned_wheel_rate(dt, torque[i], l[i], l_next[i], &friction);
     }
 }
 

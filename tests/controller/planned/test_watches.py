@@ -49,6 +49,18 @@ def test_what_was_seen_of_the_rods_before_a_pause_is_forgotten():
     assert counts(suspected) == (False, [first, 100 - first, 5 + first, 95 - first])
 
 
+@pytest.mark.parametrize("along", [(60.0, 0.0, 0.0), (0.0, -60.0, 0.0), (35.0, -25.0, 45.0)])
+def test_the_rods_are_suspected_as_soon_after_each_pause_as_at_first_whatever_the_direction(along):
+    """Effects of 0.02 rad/s, fading over 4 T: the squared deviation of their sum to n samples, over n effects and 1."""
+    begun, kept, effect = np.isin(np.arange(200), (60, 130)), 1.0 - 1.0 / (4.0 * T), 0.02
+    suspected = core.rods_suspected(1.0, T, 5.0, effect, np.zeros(200), np.tile(along, (200, 1)), begun)
+    sums = np.cumsum(kept ** np.arange(100))
+    deviations = (effect * sums) ** 2 * np.dot(along, along) / (effect**2 * sums + 1.0)
+    first = int(np.argmax(deviations > 25.0))
+    assert 2 < first < 20
+    assert counts(suspected) == (False, [first, 60 - first, 5 + first, 65 - first, 10 + first, 60 - first])
+
+
 def test_an_attitude_is_frozen_after_the_same_time_at_each_freeze_and_turned_on_from_the_last_one():
     """0.04 T are 2 s. The attitude moves for 5 s, repeats for 10, and so on."""
     rate, dt = np.array([0.02, -0.01, 0.015]), 0.5
@@ -159,9 +171,50 @@ def test_friction_that_holds_a_wheel_is_learned_through_noise_each_time_and_none
     torque = np.where(held, 1e-4, np.where(np.arange(n) % 400 < 200, 1e-4, -1e-4))
     moved = np.cumsum(np.where(held, 0.0, 0.5 * torque))
     l = np.append(0.0, moved) + 2e-6 * rng.normal(size=n + 1)  # noqa: E741
-    known = core.coulomb_friction(0.5, T, torque, l[:-1], l[1:])
+    known = core.friction(0.5, T, torque, l[:-1], l[1:])[:, 0]
     assert known[[300, 1100]] == pytest.approx(1e-4, rel=0.05)
     assert known[[790, 1590]] == pytest.approx(0.0, abs=1e-5)
     slow = 4e-6 * np.sin(0.05 * np.arange(n))
     l = np.append(0.0, np.cumsum(0.5 * slow)) - 4e-5 + 2e-6 * rng.normal(size=n + 1)  # noqa: E741
-    assert core.coulomb_friction(0.5, T, slow, l[:-1], l[1:]).max() < 2e-6
+    assert core.friction(0.5, T, slow, l[:-1], l[1:])[:, 0].max() < 2e-6
+
+
+def test_friction_of_either_kind_is_the_one_of_a_least_squares_fit_of_all_samples():
+    """Without a change of friction the filter is the fit that begins with zeros and a deviation of a tenth."""
+    rng, n, dt = np.random.default_rng(3), 400, 0.5
+    limit, most = 5e-3, 0.03
+    torque = 2e-3 * np.sin(0.05 * np.arange(n)) + 1e-3 * rng.normal(size=n)
+    true = np.array([1.5e-4, 4e-3])
+    momenta = np.zeros(n + 1)
+    momenta[0] = 0.012
+    for k in range(n):
+        momenta[k + 1] = momenta[k] + dt * (torque[k] - true @ (np.sign(momenta[k]), momenta[k]))
+    before, after = momenta[:-1], momenta[1:]
+    used = before * after > 0.0
+    assert 0.2 < np.mean(before > 0.0) < 0.8, "to either side"
+    known = core.friction(dt, T, torque, before, after)
+    rows = np.column_stack((np.where(before > 0.0, 1.0, -1.0), 0.5 * (before + after)))[used]
+    sizes = np.array([0.1 * limit, 0.1 * limit / most])
+    weighted = np.vstack((rows / (0.01 * limit), np.diag(1.0 / sizes)))
+    lacks = np.append((torque - (after - before) / dt)[used] / (0.01 * limit), (0.0, 0.0))
+    expected = np.linalg.lstsq(weighted, lacks, rcond=None)[0]
+    assert known[-1] == pytest.approx(expected, rel=0.02)
+    assert known[-1] == pytest.approx(true, rel=0.1)
+
+
+def test_a_slip_of_the_wheel_is_followed_at_once_without_noise_and_little_with_it_each_time():
+    """It slips by 1e-4 N m for 100 s, not for 100 s, and again; white noise of the momentum is no slip."""
+    n, dt = 800, 0.5
+    rng, slips = np.random.default_rng(4), np.arange(n) // 200 % 2 == 0
+    exact = np.append(0.0, np.cumsum(dt * np.where(slips, 1e-4, 0.0)))
+    torque = np.zeros(n)
+    assert core.wheel_rates(dt, T, torque, exact[:-1], exact[1:]) == pytest.approx(np.where(slips, 1e-4, 0.0))
+    noise = 2e-4 * rng.normal(size=n + 1)
+    measured = exact + noise
+    rates = core.wheel_rates(dt, T, torque, measured[:-1], measured[1:])
+    raw = np.diff(measured) / dt
+    assert np.std(rates[100:]) < 0.1 * np.std(raw[100:])
+    jump = np.append(0.0, np.cumsum(np.where(np.arange(n) == 300, 10.0, 0.0)))
+    found = core.wheel_rates(dt, T, torque, jump[:-1], jump[1:])
+    assert found[300] == pytest.approx(20.0), "no wheel's: taken as measured"
+    assert not found[301:].any(), "and forgotten"
