@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import struct
 import threading
+from time import monotonic
 
 from fmus.link import lines
 
@@ -22,6 +23,22 @@ def test_a_device_answers_the_next_caller_after_one_that_reset_the_line():
     with connected(port) as line:
         line.sendall(b"b")
         assert line.recv(10) == b"B"
+
+
+def test_a_line_waits_as_long_as_it_is_told_for_what_comes_and_not_at_all_for_less_than_nothing():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as device:
+        device.bind(("127.0.0.1", 0))
+        line = lines.Line("udp", f"127.0.0.1:{device.getsockname()[1]}")
+        line.send(b"a")
+        _, caller = device.recvfrom(10)
+        begun = monotonic()
+        assert line.receive(0.1) == b""
+        assert monotonic() - begun >= 0.1
+        assert line.receive(-1.0) == b""
+        timer = threading.Timer(0.05, device.sendto, (b"b", caller))
+        timer.start()
+        assert line.receive(30.0) == b"b"
+        timer.join()
 
 
 def upper(data: bytes, sender: str, turned: bool) -> bytes:

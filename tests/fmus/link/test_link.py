@@ -3,6 +3,7 @@ as documented."""
 
 from __future__ import annotations
 
+import struct
 import subprocess
 import sys
 import tempfile
@@ -16,6 +17,7 @@ import pytest
 
 from fmus import link
 from fmus.interface import load
+from fmus.link.device import ANSWER, BLOCK_REFUSES, REFUSED, STEP, Reader, frame
 from tests.native.driver import Instance, Refused
 
 from . import devices
@@ -153,6 +155,21 @@ def test_what_the_block_on_the_device_refuses_stops_the_run_with_its_words():
         block.set("K0", [0.3, 0.2, 0.1])
         with pytest.raises(Refused, match=r"device at udp .*, found 'K0\[2\]: expected 0 < K0\[1\] < K0\[2\]"):
             block.initialize()
+
+
+@pytest.mark.parametrize(("said", "found"), [("x", "x"), ("", "a refusal without a reason"), ("y" * 96, "y" * 96)])
+def test_a_refusal_is_told_with_the_device_s_words_however_long_they_are(said, found):
+    def refused(data: bytes, way: str) -> list[tuple[float, bytes]]:
+        if way == "to" or data[3] != STEP | ANSWER:
+            return [(0.0, data)]
+        (answer,) = Reader(2000).feed(data)
+        payload = struct.pack("<B96s", BLOCK_REFUSES, said.encode())
+        return [(0.0, frame(REFUSED, answer.session, answer.sequence, payload))]
+
+    with behind(refused) as (proxy, _), asked(proxy.address) as block:
+        with pytest.raises(Refused) as told:
+            flown(block, 3)
+        assert f"expected that it accepts the request, found '{found}'" in str(told.value)
 
 
 @pytest.mark.parametrize(
