@@ -402,6 +402,15 @@ def corrected(
     return np.array(after).reshape(24, 24), unknowns(), gain()
 
 
+def filter_start(**parameters: Any) -> tuple[Array, Array, Array]:
+    """The filter's covariance (24, 24) before the flight, and once rods are suspected; and its noises: (sigma T)^2
+    of the rate at rest, of the bias, rad2/s3, and of the disturbance over the one with which it is forgotten."""
+    p, u = filled(_BLOCK, "parameter", **parameters), filled(_BLOCK, "input")
+    (a, before), (b, suspected), (c, noise) = room_for(24, 24), room_for(24, 24), room_for(3)
+    library().probe_start(byref(p), byref(u), a, b, c)
+    return before(), suspected(), noise()
+
+
 @dataclass(frozen=True)
 class Learned:
     """What the filter has after each sample: excess (n, 3) of attitude, rate and model, mean cosine (n, 2) of

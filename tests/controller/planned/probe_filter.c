@@ -68,3 +68,20 @@ PROBE double probe_learn(const ControllerPlannedParameters *p, const ControllerP
     }
     return scales.time;
 }
+
+/* The covariance before the flight in an orbit of this semi-major axis, and once both properties and torques have begun
+ * anew by a suspicion of the rods; and the model's noise at rest in T times T, that of bias and disturbance. */
+PROBE void probe_start(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u, double *before,
+                       double *suspected, double noise[3])
+{
+    Identification id;
+    const Scales scales = controller_planned_scales(p, 6.971e6);
+    controller_planned_identification_start(p, u, &scales, &id);
+    memcpy(before, id.P, sizeof id.P);
+    noise[0] = id.rate_density * scales.time * scales.time * scales.time;
+    noise[1] = id.bias_density;
+    const double inertia = scales.momentum * scales.time, forgotten = scales.disturbance_time / inertia;
+    noise[2] = id.torque_density * forgotten * forgotten / id.rate_density;
+    controller_planned_suspect_rods(&id);
+    memcpy(suspected, id.P, sizeof id.P);
+}

@@ -163,3 +163,23 @@ def test_evidence_for_the_start_is_counted_never_below_zero_and_begins_anew_each
     assert grows[np.delete(np.arange(n - 51), ends)].min() > 0.0
     assert found.evidence[50:][ends + 1] == pytest.approx(0.0)
     assert found.evidence.max() <= 25.0
+
+
+def test_before_the_flight_and_after_a_suspicion_each_unknown_has_the_deviation_of_the_page_and_depends_on_no_other():
+    """docs/how/planned-estimates.md, Estimates and Failures. The rate's error is that of noise and bias."""
+    J, gains = np.array([[2.0, 0.1, -0.2], [0.1, 3.0, 0.3], [-0.2, 0.3, 4.0]]), np.array([0.9, -1.1, 1.3])
+    parameters = {"identify": True, "identify_spread": 0.2, "rod_gains0": gains, "J_B": J, "rate_bias_max": 2e-4}
+    parameters |= {"disturbance_max": 3e-5, "residual_dipole_max": 0.7, "attitude_noise": 1e-4, "rate_noise": 1e-5}
+    parameters |= {"dipole_max": 30.0, "rod_limits": [0.5, 0.4, 0.3]}
+    before, suspected, noise = core.filter_start(**parameters)
+    bias = np.full(3, (0.25 * 2e-4) ** 2)
+    inertia = 0.2 * np.array([2.0, 3.0, 4.0, 1.5, 1.5, 1.5])
+    variances = [np.full(3, 1e-8), 1e-10 + bias, bias, inertia**2, (0.2 * gains) ** 2]
+    torques = [np.full(3, (0.25 * 3e-5) ** 2), np.full(3, (0.4 * 0.7) ** 2)]
+    expected = np.diag(np.concatenate(variances + torques))
+    expected[RATE, BIAS] = expected[BIAS, RATE] = -np.diag(bias)
+    assert before == pytest.approx(expected, rel=1e-12)
+    expected[GAINS, GAINS] = np.eye(3)
+    expected[DIPOLE, DIPOLE] = (0.1 * 0.5 * 30.0) ** 2 * np.eye(3)
+    assert suspected == pytest.approx(expected, rel=1e-12)
+    assert noise == pytest.approx([2.5e-4**2, 0.25**2 * 2e-4**2 / 1e5, 1.0])

@@ -13,6 +13,7 @@ from tests.native.driver import Refused
 
 from . import core, flat
 from .block import AS_MEASURED, KNOWN, SEARCHED, alike, at_target, lvlh, near_target, orbit, run, started, tumbling
+from .truth import DAYS
 
 ZEROS = np.zeros((3, 3))
 INERTIAL = Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix()
@@ -71,6 +72,31 @@ def test_without_attitude_or_reference_rods_take_energy_and_the_wheel_comes_to_r
     assert y["wheel_torque_ff"] == pytest.approx(-u["h_w"] / 10.0)
     given = np.cross(dipole @ flat.RODS, B) - np.cross(Omega, [u["h_w"], 0.0, 0.0]) - [y["wheel_torque_ff"], 0.0, 0.0]
     np.testing.assert_allclose(y["tau_cmd_B"], given, rtol=1e-12)
+
+
+def test_each_time_that_the_attitude_is_lost_the_reference_is_gone_as_before_the_first_one():
+    def sometimes(t):
+        return lost(to_lvlh)(t) if t % 20.0 < 10.0 else to_lvlh(t)
+
+    with started(sometimes, **KNOWN) as it:
+        found = [it.outputs(), *run(it, 0.0, 60.0, inputs=sometimes)]
+    gone = [y for y in found if y["no_attitude"]]
+    assert [y["no_attitude"] for y in found] == [0.5 * i % 20.0 < 10.0 for i in range(121)]
+    for y in gone:
+        assert np.array_equal(y["R_d"], np.eye(3))
+        assert not np.any(y["Omega_d"])
+        assert not np.any(y["dOmega_d"])
+        assert (y["h_w_ref"], y["phase"]) == (0.0, 4)
+    assert max(np.abs(y["R_d"] - np.eye(3)).max() for y in found) > 0.1
+
+
+def test_at_the_start_the_onboard_field_is_that_of_the_epoch():
+    """It turns with the Earth: 7e-5 rad in a second."""
+    inputs = near_target(0.0)
+    del inputs["b_B"]
+    with started(lambda t: inputs) as it:
+        expected = inputs["R_NB"].T @ core.field_at("igrf14", DAYS, 10, inputs["r_N"], 0.0)
+        assert it.get("b_used_B") == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("inputs", [no_reference, lost(tumbling), follow_rate, lost(follow_rate)])
