@@ -36,9 +36,7 @@ def library() -> ctypes.CDLL:
     """The controller's C with the probe as a shared library."""
     texts = generated_sources(load(_BLOCK), NATIVE.parent)
     sources = sorted(NATIVE.rglob("*.c"))
-    probes = [
-        Path(__file__).with_name(name) for name in ("probe.c", "probe_filter.c", "probe_inputs.c", "probe_watches.c")
-    ]
+    probes = sorted(Path(__file__).parent.glob("probe*.c"))
     common = [ROOT / "fmus" / "native" / "common", NATIVE]
     host = host_platform()
 
@@ -439,3 +437,45 @@ def sizes() -> tuple[int, int]:
     found = (c_size_t * 2)()
     library().probe_sizes(found)
     return found[0], found[1]
+
+
+def doubted(bound: Array, rate: Array, wanted: Array, holds: Array, lost: Array) -> tuple[Array, Array, float]:
+    """Whether the attitude is doubted, and drives, at each of n samples (n,) each; and T, s."""
+    p, n = filled(_BLOCK, "parameter"), len(bound)
+    given, found = np.column_stack((bound, rate, wanted)), (c_ubyte * (2 * n))()
+    flags = (c_ubyte * (2 * n))(*np.column_stack((holds, lost)).astype(int).ravel().tolist())
+    lib = library()
+    lib.probe_doubt.restype = c_double
+    T = float(lib.probe_doubt(byref(p), n, doubles(given), flags, found))
+    values = np.array(found, bool).reshape(n, 2)
+    return values[:, 0], values[:, 1], T
+
+
+@dataclass(frozen=True)
+class Held:
+    """Of a hold at each sample (n,): whether it has settled, is turned away and is strained."""
+
+    settled: Array
+    away: Array
+    strained: Array
+
+
+def held(dt: float, angle: Array, rate: Array, torque: Array, loaded: Array) -> Held:
+    """Of n samples of a hold that is loaded or not, with this error, rad, rate, rad/s, and disturbance, N m."""
+    p, n = filled(_BLOCK, "parameter"), len(angle)
+    given, found = np.column_stack((angle, rate, torque)), (c_ubyte * (3 * n))()
+    flags = (c_ubyte * n)(*np.asarray(loaded).astype(int).tolist())
+    library().probe_hold(byref(p), c_double(dt), n, doubles(given), flags, found, (c_double * 3)())
+    return Held(*np.array(found, bool).reshape(n, 3).T)
+
+
+def hold_scales() -> tuple[float, float, float]:
+    """T and the period of the orbit, s, and the largest disturbance, N m, of the default satellite."""
+    p, found = filled(_BLOCK, "parameter"), (c_double * 3)()
+    library().probe_hold(byref(p), c_double(1.0), 0, doubles([]), (c_ubyte * 0)(), (c_ubyte * 0)(), found)
+    return found[0], found[1], found[2]
+
+
+def changed_phase(from_: int, *events: int) -> int:
+    """The phase to which events lead; negative where a plan or a steering is due."""
+    return int(library().probe_change(byref(filled(_BLOCK, "parameter")), from_, sum(events)))

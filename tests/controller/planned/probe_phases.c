@@ -1,0 +1,58 @@
+/* The planned controller's timers of phases, of a state with nothing in it, for tests: flat arrays in, flat arrays out. */
+#include "decide/phases.h"
+#include "probe_flat.h"
+
+static ControllerPlannedState *nothing(const ControllerPlannedParameters *p)
+{
+    static ControllerPlannedState x;
+    memset(&x, 0, sizeof x);
+    x.scales = controller_planned_scales(p, 6.971e6);
+    x.settled_since = x.loaded_since = x.least_rate = INFINITY;
+    return &x;
+}
+
+/* Bounds of the attitude's error, rates and those wanted (n,3), and whether it holds and whether the field is lost (n,2):
+ * whether the attitude is doubted, and drives (n,2). Returns T, s. */
+PROBE double probe_doubt(const ControllerPlannedParameters *p, int n, const double *given, const unsigned char *is,
+                         unsigned char *found)
+{
+    ControllerPlannedState *x = nothing(p);
+    for (int i = 0; i < n; ++i) {
+        x->phase = is[2 * i] ? PHASE_HOLD : PHASE_ACQUISITION;
+        controller_planned_doubt(x, is[2 * i + 1], given[3 * i], given[3 * i + 1], given[3 * i + 2]);
+        found[2 * i] = x->doubted;
+        found[2 * i + 1] = x->drives;
+    }
+    return x->scales.time;
+}
+
+/* Angles, rates and disturbances (n,3), and whether the hold is loaded (n), at every dt of a hold: whether it has settled,
+ * is turned away, and is strained (n,3). scales: T and the period of the orbit, s, and the largest disturbance, N m. */
+PROBE void probe_hold(const ControllerPlannedParameters *p, double dt, int n, const double *given,
+                      const unsigned char *loaded, unsigned char *found, double scales[3])
+{
+    ControllerPlannedState *x = nothing(p);
+    x->phase = PHASE_HOLD;
+    for (int i = 0; i < n; ++i, x->t += dt) {
+        const Standing s = {.angle = given[3 * i], .rate = given[3 * i + 1], .loaded = loaded[i]};
+        x->identification.p[TORQUE + 1] = given[3 * i + 2];
+        const unsigned events = controller_planned_events(x, &s, 0.0);
+        found[3 * i] = (events & EVENT_SETTLED) != 0;
+        found[3 * i + 1] = (events & EVENT_TURNED_AWAY) != 0;
+        controller_planned_update_strain(x, &s);
+        found[3 * i + 2] = x->strained;
+    }
+    scales[0] = x->scales.time;
+    scales[1] = x->scales.period;
+    scales[2] = x->scales.disturbance_max;
+}
+
+/* The phase to which events lead from another one; negative where a plan or a steering is due. */
+PROBE int probe_change(const ControllerPlannedParameters *p, int from, unsigned events)
+{
+    ControllerPlannedState *x = nothing(p);
+    const Motion now = {identity, {0.0, 0.0, 0.0}, 0.0};
+    x->phase = from;
+    const bool due = controller_planned_change_phase(x, events, &now);
+    return due ? -x->phase : x->phase;
+}
