@@ -12,7 +12,20 @@ from scipy.spatial.transform import Rotation
 from tests.native.driver import Refused
 
 from . import core, flat
-from .block import AS_MEASURED, KNOWN, SEARCHED, alike, at_target, lvlh, near_target, orbit, run, started, tumbling
+from .block import (
+    AS_MEASURED,
+    KNOWN,
+    SEARCHED,
+    alike,
+    at_target,
+    feed,
+    lvlh,
+    near_target,
+    orbit,
+    run,
+    started,
+    tumbling,
+)
 from .truth import DAYS
 
 ZEROS = np.zeros((3, 3))
@@ -55,7 +68,13 @@ def test_a_reference_by_the_ports_is_planned_for_as_the_same_one_by_the_paramete
     assert all(alike(x, y, 1e-6) for x, y in zip(a, b, strict=True))
 
 
-@pytest.mark.parametrize("inputs", [no_reference, lost(no_reference), lost(tumbling)])
+def backwards(t):
+    """The rods that were at one of their limits are then at the other."""
+    inputs = lost(no_reference)(t)
+    return {**inputs, "omega_B": -np.array(inputs["omega_B"])}
+
+
+@pytest.mark.parametrize("inputs", [no_reference, lost(no_reference), lost(tumbling), backwards])
 def test_without_attitude_or_reference_rods_take_energy_and_the_wheel_comes_to_rest(inputs):
     with started(inputs, **AS_MEASURED) as it:
         for y in [it.outputs(), *run(it, 0.0, 3.0, inputs=inputs)]:
@@ -88,6 +107,19 @@ def test_each_time_that_the_attitude_is_lost_the_reference_is_gone_as_before_the
         assert not np.any(y["dOmega_d"])
         assert (y["h_w_ref"], y["phase"]) == (0.0, 4)
     assert max(np.abs(y["R_d"] - np.eye(3)).max() for y in found) > 0.1
+
+
+@pytest.mark.parametrize("first", [near_target, lost(near_target)], ids=["from the start", "later"])
+def test_zeros_for_an_attitude_are_refused_after_the_first_one_where_no_reference_is_connected(first):
+    with started(first, **KNOWN) as it:
+        run(it, 0.0, 1.0, inputs=first)
+        run(it, 1.0, 2.0)
+        with pytest.raises(Refused, match="R_NB"):
+            run(it, 2.0, 2.5, inputs=lost(near_target))
+        it.call("Reset")
+        feed(it, lost(near_target)(0.0))
+        it.initialize()
+        assert it.get("no_attitude")
 
 
 def test_at_the_start_the_onboard_field_is_that_of_the_epoch():
@@ -231,9 +263,20 @@ def test_behind_the_last_time_the_target_keeps_its_body_rate_or_stays_with_lvlh(
     def nadir(t):
         return Rotation.from_matrix(lvlh(t))
 
-    known = given(few, nadir, lambda t: np.array([0.0, -rate_of_orbit(t), 0.0]))
-    R, _ = core.targets_ahead(known, np.array([1400.0]))
-    np.testing.assert_allclose(R[0], lvlh(1400.0), atol=1e-9)
+    for times in (few, np.append(few[few > 0.0][:1], np.zeros(15)), np.zeros(16)):
+        known = given(times, nadir, lambda t: np.array([0.0, -rate_of_orbit(t), 0.0]))
+        R, _ = core.targets_ahead(known, np.array([1400.0]))
+        np.testing.assert_allclose(R[0], lvlh(1400.0), atol=1e-9)
+
+
+def test_a_time_to_come_within_a_sample_of_the_one_before_it_is_none():
+    """The control's period is 0.5 s."""
+    for step, taken in ((0.5, 0), (0.501, 1)):
+        times = np.append([step], np.zeros(15))
+        R, _ = core.targets_ahead(given(times, turned, rate), np.array([300.0]))
+        last = step * taken
+        kept = turned(last) * Rotation.from_rotvec((300.0 - last) * rate(last))
+        np.testing.assert_allclose(R[0], kept.as_matrix(), atol=1e-6)
 
 
 AHEAD = {"t_ahead": KNOTS, "turn_ahead": np.zeros((16, 3)), "Omega_ahead": np.zeros((16, 3))}

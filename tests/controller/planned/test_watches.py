@@ -164,6 +164,20 @@ def test_a_wheel_that_gives_nothing_is_stuck_and_one_that_gives_again_is_not_eac
     assert not core.wheel_failed(1.0, T, 0.1 * torque, np.zeros(1600), np.zeros(1600))[0].any(), "too little is asked"
 
 
+def test_a_wheel_that_does_not_follow_small_torques_is_stuck_once_it_was_watched_for_3_T_each_time():
+    """Torques of a third of the limit, too small for the other test; it stands at a third of its momentum, turns with
+    them from 400 s on and stands again from 800 s on, each time without noise."""
+    n = 1200
+    torque = 1e-3 * np.where(np.arange(n) // 7 % 2, 1.0, -1.0)
+    stands = np.arange(n) // 400 != 1
+    l = 0.01 + np.append(0.0, np.cumsum(np.where(stands, 0.0, torque)))  # noqa: E741
+    _, stuck = core.wheel_failed(1.0, T, torque, l[:-1], l[1:])
+    begins, ends, again = np.flatnonzero(np.diff(stuck.astype(int)) != 0) + 1
+    assert 148 <= begins <= 152
+    assert ends > 400
+    assert 800 < again < 1000
+
+
 def test_friction_that_holds_a_wheel_is_learned_through_noise_each_time_and_none_of_one_that_moves():
     """It stands under 1e-4 N m for 200 s, is moved away and comes back, and stands again; its momentum has noise."""
     rng, n = np.random.default_rng(2), 1600
