@@ -479,3 +479,11 @@ def hold_scales() -> tuple[float, float, float]:
 def changed_phase(from_: int, *events: int) -> int:
     """The phase to which events lead; negative where a plan or a steering is due."""
     return int(library().probe_change(byref(filled(_BLOCK, "parameter")), from_, sum(events)))
+
+
+def standing(m: Satellite, a: Ahead, x: Motion, phase: int) -> tuple[float, float, bool, bool, bool]:
+    """Error, rad, and rate, rad/s, of a motion from the target, and whether it is lost, near and loaded."""
+    room, values = room_for(5)
+    library().probe_standing(m.c(), a.c(), x.c(), phase, room)
+    angle, rate, lost, near, loaded = values()
+    return angle, rate, bool(lost), bool(near), bool(loaded)

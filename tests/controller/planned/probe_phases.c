@@ -56,3 +56,20 @@ PROBE int probe_change(const ControllerPlannedParameters *p, int from, unsigned 
     const bool due = controller_planned_change_phase(x, events, &now);
     return due ? -x->phase : x->phase;
 }
+
+/* The standing of a motion against the target of a plan, in a phase: angle, rate, share of lost, near and loaded. */
+PROBE void probe_standing(const FlatModel *m, const FlatAhead *a, const FlatMotion *x, int phase, double found[5])
+{
+    static ControllerPlannedState state;
+    OnboardField field;
+    const Model model = model_of(m);
+    const Ahead ahead = ahead_of_flat(a, &field);
+    const Motion now = motion_of(x);
+    memset(&state, 0, sizeof state);
+    state.scales = model.scales;
+    state.phase = phase;
+    state.t = a->t;
+    const Standing s = controller_planned_standing(&state, &model, &ahead, &now, 0.0);
+    const double all[5] = {s.angle, s.rate, s.lost, s.near, s.loaded};
+    memcpy(found, all, sizeof all);
+}

@@ -6,8 +6,10 @@ Times and limits are those of docs/how/planned.md, Phases, and docs/how/planned-
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from . import core
+from .states import AHEAD, R0, V0
 
 T, PERIOD, DISTURBANCE = core.hold_scales()
 DEGREE = np.radians(1.0)
@@ -115,3 +117,21 @@ def test_events_lead_from_each_phase_as_the_table_has_it_and_the_first_row_count
             assert core.changed_phase(phase, event) == leads.get((phase, event), phase), (phase, event)
     assert core.changed_phase(HOLD, LOST, AWAY) == -STEERING
     assert core.changed_phase(STEERING, LOST, PLAN) == STEERING
+
+
+@pytest.mark.parametrize(
+    ("degrees", "h_w", "loaded"),
+    [(0.4, 0.0, False), (0.6, 0.0, True), (-0.6, 0.0, True), (0.4, 1.0, True), (0.4, -1.0, True)],
+)
+def test_a_hold_is_loaded_by_its_error_or_by_the_wheel_alone(degrees, h_w, loaded):
+    """Beyond 0.5 deg, or 0.6 of the wheel's momentum; its error and rate are those from the target."""
+    satellite = core.Satellite()
+    R, Omega = core.lvlh(R0, V0)
+    off = Rotation.from_rotvec(np.radians(degrees) * np.array([0.6, 0.0, 0.8]))
+    rate = off.inv().apply(Omega) + np.array([1e-5, -2e-5, 2e-5])
+    for share in (0.59, 0.61):
+        l = h_w * share * satellite.wheel_momentum_max  # noqa: E741
+        found = core.standing(satellite, AHEAD, core.Motion(R @ off.as_matrix(), rate, l), HOLD)
+        assert found[0] == pytest.approx(abs(np.radians(degrees)), rel=1e-6)
+        assert found[1] == pytest.approx(3e-5, rel=1e-6)
+        assert found[2:] == (False, True, loaded and (h_w == 0.0 or share > 0.6))

@@ -282,6 +282,13 @@ def test_a_time_to_come_within_a_sample_of_the_one_before_it_is_none():
 AHEAD = {"t_ahead": KNOTS, "turn_ahead": np.zeros((16, 3)), "Omega_ahead": np.zeros((16, 3))}
 
 
+def test_fewer_times_than_there_is_room_for_are_taken():
+    for count in (0, 1, 15, 16):
+        few = np.where(np.arange(16) < count, KNOTS, 0.0)
+        with started(lambda t, few=few: {**to_lvlh(t), **AHEAD, "t_ahead": few}) as it:
+            assert it.get("phase") in (1, 2)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

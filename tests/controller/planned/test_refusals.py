@@ -8,7 +8,7 @@ import pytest
 from tests.native.driver import Instance, Refused
 
 from . import core
-from .block import BLOCK, at_target, feed, same, started
+from .block import BLOCK, at_target, feed, near_target, run, same, started
 
 
 @pytest.mark.parametrize(
@@ -106,3 +106,19 @@ def test_the_flight_code_recovers_from_a_rate_beyond_all_bounds(rate, heavier):
     assert found["attitude_error"] == pytest.approx(right["attitude_error"], abs=0.02)
     assert found["rate_error_B"] == pytest.approx(right["rate_error_B"], abs=2e-3)
     assert np.abs(found["J_estimate_B"] - right["J_estimate_B"]).max() < 0.1 * heavier
+
+
+@pytest.mark.parametrize("gains", [{"K0": [30.0, 40.0, 50.0]}, {"L0": 1e-4 * np.eye(3)}])
+def test_gains_too_stiff_for_the_period_are_refused_in_initialization_and_with_the_first_attitude(gains):
+    (name,) = gains
+    told = rf"{name}: expected .*control_period/L0 below 2"
+    with pytest.raises(Refused, match=told), started(near_target, **gains):
+        pass
+
+    def late(t):
+        return {**near_target(t), "R_NB": np.zeros((3, 3))} if t < 0.7 else near_target(t)
+
+    with started(late, **gains) as it:
+        run(it, 0.0, 0.5, inputs=late)
+        with pytest.raises(Refused, match=told):
+            run(it, 0.5, 1.0, inputs=late)

@@ -216,6 +216,34 @@ def test_friction_of_either_kind_is_the_one_of_a_least_squares_fit_of_all_sample
     assert known[-1] == pytest.approx(true, rel=0.1)
 
 
+def test_a_wheel_that_stands_at_exactly_zero_shows_its_friction_at_once_by_the_torque_that_it_bears():
+    """At any other momentum about zero so small a torque would take a minute to show it."""
+    torque = np.where(np.arange(40) < 20, 1e-6, -4e-6)
+    zero, other = np.zeros(40), np.full(40, 1e-9)
+    known = core.friction(0.5, T, torque, zero, zero)[:, 0]
+    assert known[18] == pytest.approx(1e-6, rel=0.2)
+    assert 2e-6 < known[39] <= 4e-6
+    for before, after in ((zero, other), (other, zero)):
+        assert core.friction(0.5, T, torque, before, after)[:, 0].max() < 2e-7
+    assert not core.friction(0.5, T, 0.0 * torque, zero, zero).any()
+
+
+def test_friction_that_becomes_another_is_followed_over_a_day():
+    """Each changes in 1e5 s by as much as it may be before the flight."""
+    n, dt = 240_000, 0.5
+    torque = 2e-3 * np.sign(np.sin(0.05 * np.arange(n))) * (1.0 + 0.3 * np.sin(0.011 * np.arange(n)))
+    coulomb, viscous = (np.where(np.arange(n) < n // 2, a, b) for a, b in ((1.5e-4, 3e-4), (2e-3, 8e-3)))
+    l = np.empty(n + 1)  # noqa: E741
+    l[0] = 0.0
+    at = 0.0
+    for k, (tau, c, v) in enumerate(zip(torque.tolist(), coulomb.tolist(), viscous.tolist(), strict=True)):
+        at += dt * (tau - (c if at > 0.0 else -c) - v * at)
+        l[k + 1] = at
+    known = core.friction(dt, T, torque, l[:-1], l[1:])
+    assert known[n // 2 - 1] == pytest.approx([1.5e-4, 2e-3], rel=0.1)
+    assert known[-1] == pytest.approx([3e-4, 8e-3], rel=0.1)
+
+
 def test_a_slip_of_the_wheel_is_followed_at_once_without_noise_and_little_with_it_each_time():
     """It slips by 1e-4 N m for 100 s, not for 100 s, and again; white noise of the momentum is no slip."""
     n, dt = 800, 0.5
