@@ -487,3 +487,14 @@ def standing(m: Satellite, a: Ahead, x: Motion, phase: int) -> tuple[float, floa
     library().probe_standing(m.c(), a.c(), x.c(), phase, room)
     angle, rate, lost, near, loaded = values()
     return angle, rate, bool(lost), bool(near), bool(loaded)
+
+
+def failed_rod(
+    gains: ArrayLike, sigma: ArrayLike, dipole: ArrayLike, sigma_dipole: float, wide: bool = True, **parameters: Any
+) -> tuple[int, bool]:
+    """The rod, 1 to 3, that has failed, 0: none, and whether one is stuck on, of gains and a dipole that are known so
+    well; `wide`: a rod is suspected."""
+    p, u = filled(_BLOCK, "parameter", **parameters), filled(_BLOCK, "input")
+    given = doubles(gains), doubles(sigma), doubles(dipole), c_double(sigma_dipole), int(wide)
+    found = int(library().probe_failed_rod(byref(p), byref(u), *given))
+    return found % 10, found >= 10

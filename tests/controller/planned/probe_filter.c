@@ -85,3 +85,22 @@ PROBE void probe_start(const ControllerPlannedParameters *p, const ControllerPla
     controller_planned_suspect_rods(&id);
     memcpy(suspected, id.P, sizeof id.P);
 }
+
+/* Of gains and those before the flight, with the deviation of each, and a dipole with that of each axis: the rod that has
+ * failed, and ten more where one is stuck on. */
+PROBE int probe_failed_rod(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u,
+                           const double gains[3], const double sigma[3], const double dipole[3], double sigma_dipole,
+                           int wide)
+{
+    Identification id;
+    const Scales scales = controller_planned_scales(p, 6.971e6);
+    controller_planned_identification_start(p, u, &scales, &id);
+    id.watch.wide = wide;
+    for (int i = 0; i < 3; ++i) {
+        id.p[GAINS + i] = gains[i];
+        id.p[DIPOLE + i] = dipole[i];
+        id.P[MOTION + GAINS + i][MOTION + GAINS + i] = sigma[i] * sigma[i];
+        id.P[MOTION + DIPOLE + i][MOTION + DIPOLE + i] = sigma_dipole * sigma_dipole;
+    }
+    return controller_planned_failed_rod(&id) + (controller_planned_stuck_on(&id) ? 10 : 0);
+}

@@ -183,3 +183,33 @@ def test_before_the_flight_and_after_a_suspicion_each_unknown_has_the_deviation_
     expected[DIPOLE, DIPOLE] = (0.1 * 0.5 * 30.0) ** 2 * np.eye(3)
     assert suspected == pytest.approx(expected, rel=1e-12)
     assert noise == pytest.approx([2.5e-4**2, 0.25**2 * 2e-4**2 / 1e5, 1.0])
+
+
+def test_a_rod_has_failed_that_is_known_to_be_far_from_its_gain_the_farthest_of_several():
+    """docs/how/planned-estimates.md, Failures: by 0.4, known to 0.15, four deviations beyond 0.2; from `rod_gains0`."""
+    before, well = np.array([0.9, -1.1, 1.2]), np.full(3, 0.02)
+    known = {"rod_gains0": before, "residual_dipole_max": 0.5}
+
+    def failed(by, sigma=well, wide=True):
+        return core.failed_rod(before + by, sigma, np.zeros(3), 0.01, wide, **known)[0]
+
+    for i in range(3):
+        one = np.eye(3)[i]
+        for sign in (-1.0, 1.0):
+            assert failed(0.41 * sign * one) == i + 1
+            assert failed(0.39 * sign * one) == 0
+            assert failed(0.9 * sign * one, 0.149 * one + 0.01 * (1.0 - one)) == i + 1
+            assert failed(0.9 * sign * one, 0.151 * one + 0.01 * (1.0 - one)) == 0
+            assert failed(0.6 * sign * one, 0.101 * one + 0.01) == 0, "less than four deviations beyond 0.2"
+        assert failed(0.9 * one, wide=False) == 0
+        assert failed(0.5 + 0.4 * one) == i + 1
+
+
+def test_a_rod_is_stuck_on_where_the_dipole_is_surely_larger_than_a_sound_one():
+    """By four deviations of all axes together."""
+    known = {"residual_dipole_max": 0.5}
+    direction, sigma = np.array([0.6, 0.0, -0.8]), 0.1
+    limit = 0.5 + 4.0 * sigma * np.sqrt(3.0)
+    for share, wide, stuck in ((1.01, True, True), (0.99, True, False), (1.01, False, False)):
+        found = core.failed_rod(np.ones(3), np.full(3, 0.1), share * limit * direction, sigma, wide, **known)
+        assert found == (0, stuck)
