@@ -6,7 +6,7 @@ import pytest
 from fmus.interface import ABSENT_MIN, load
 from tests.native.driver import Instance
 
-from .block import BLOCK, near_target, run, same, started
+from .block import AS_MEASURED, BLOCK, feed, near_target, run, same, started
 
 
 def without(*names):
@@ -82,3 +82,23 @@ def test_without_a_measured_field_the_controller_goes_on_with_the_difference_tha
         remembered = it.get("dipole_ff")
     assert np.linalg.norm(measured - own) > 1.0
     assert np.linalg.norm(remembered - measured) < 0.5 * np.linalg.norm(remembered - own)
+
+
+def test_the_difference_of_the_field_is_followed_over_a_minute_and_taken_whole_after_a_longer_step():
+    first, second = np.array([3e-6, -4e-6, 5e-6]), np.array([-6e-6, 2e-6, 1e-6])
+
+    def measured(t, bias):
+        inputs = near_target(t)
+        return {**inputs, "b_B": inputs["b_B"] + inputs["R_NB"].T @ bias}
+
+    def seen(it, t):
+        it.set("b_B", [1e9, 1e9, 1e9])
+        inputs = near_target(t)
+        return inputs["R_NB"] @ (it.get("b_used_B") - inputs["b_B"])
+
+    for h, share in ((0.5, 0.5 / 60.0), (30.0, 0.5), (150.0, 1.0)):
+        with started(lambda t: measured(t, first), **AS_MEASURED, find_failures=False) as it:
+            assert seen(it, 0.0) == pytest.approx(first, abs=1e-12)
+            feed(it, measured(h, second))
+            it.step(0.0, h)
+            assert seen(it, h) == pytest.approx(first + share * (second - first), abs=1e-9)

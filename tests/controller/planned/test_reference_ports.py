@@ -113,9 +113,9 @@ def test_each_time_that_the_attitude_is_lost_the_reference_is_gone_as_before_the
 def test_zeros_for_an_attitude_are_refused_after_the_first_one_where_no_reference_is_connected(first):
     with started(first, **KNOWN) as it:
         run(it, 0.0, 1.0, inputs=first)
-        run(it, 1.0, 2.0)
+        run(it, 1.0, 1.5)
         with pytest.raises(Refused, match="R_NB"):
-            run(it, 2.0, 2.5, inputs=lost(near_target))
+            run(it, 1.5, 2.0, inputs=lost(near_target))
         it.call("Reset")
         feed(it, lost(near_target)(0.0))
         it.initialize()
