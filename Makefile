@@ -122,8 +122,9 @@ references: $(VENV)/test
 	for block in plant plant/judge plant/sensors estimator controller controller/planned controller/planned/wheels controller/wheels allocator allocator/bounded supervisor; do \
 	  $(BIN)/orchestrate reference $$(echo $$block | tr / _) --out $$block/reference_data || exit; \
 	done
-	$(BIN)/orchestrate reference plant_wheels --out plant/reference_data_wheels
-	$(BIN)/orchestrate reference allocator_bounded_wheels --out allocator/bounded/reference_data_wheels
+	for block in plant plant/sensors estimator allocator/bounded; do \
+	  $(BIN)/orchestrate reference $$(echo $$block | tr / _)_wheels --out $$block/reference_data_wheels || exit; \
+	done
 
 # The documentation as a web site, out/site/html/index.html; needs no network, neither to be built nor to be read.
 site: $(VENV)/docs

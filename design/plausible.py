@@ -173,7 +173,7 @@ def satellite(scenario: Scenario, mass: float | None = None) -> Satellite:
         key = ("shared", "epoch") if "epoch" in scenario.shared else ("blocks", by_kind[block])
         raise InputError(scenario.error(key, str(error).removeprefix("epoch: "))) from None
     sensors: dict[str, Any] = {}
-    for (variable, _), value in starts("plant_sensors").items():
+    for (variable, _), value in (starts("plant_sensors") | starts("plant_sensors_wheels")).items():
         if isinstance(value, (int, float)):
             sensors[variable] = max(abs(value), sensors.get(variable, 0.0))
     periods = [

@@ -28,6 +28,8 @@ FULL = 200.0 * math.pi
 """rad/s of a full wheel, 6000 rpm, where its inertia is not given."""
 TOLD = math.pi / 30.0
 """rad/s: the error of a wheel's speed that is told, 1 rpm, where it is not given: docs/use/sensors.md#wheels."""
+RADIAN = 1000.0
+"""s: a radian of the orbit, over which the estimator without its gyro is told of a torque as a random walk."""
 ERROR, RESIDUAL, DUTY = 0.05, 0.01, 0.8
 """Assumed where not given: error of the inertia, residual dipole over that of the rods; part in which rods are on."""
 KNOWN = {
@@ -40,7 +42,6 @@ OWN = KNOWN["cubesat"]
 NO_WHEEL = ("1e-9 N.m", "1e-9 N.m.s")
 SET = 4
 """Places of a set of wheels."""
-SET_TELEMETRY = "assumed: the momenta of a set of wheels are known without error, and no block measures them"
 
 
 def wheel_axes(text: str) -> list[list[float]] | None:
@@ -83,6 +84,14 @@ def box(mass: float, width: float, length: float, axis: str) -> list[float]:
     """Returns the principal moments (3,), kg m2, of a homogeneous box, its length along x, y or z."""
     about, across = mass / 6.0 * width**2, mass / 12.0 * (width**2 + length**2)
     return [about if name == axis else across for name in "xyz"]
+
+
+def _length(dipole: Any) -> float:
+    """Returns the length of a dipole as it is given, A m2; 0 of one that is none, which the block refuses by name."""
+    try:
+        return math.hypot(*(value_in(each, parse_unit("A.m2")) for each in dipole))
+    except (QuantityError, TypeError, ValueError):
+        return 0.0
 
 
 def _matrix(value: Any) -> Any:
@@ -142,6 +151,8 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
         notes["residual_dipole_B"] = f"assumed, a hundredth of the rods': up to {prefixed(largest, 'N.m')}; measure it"
     else:
         notes["residual_dipole_B"] = "as given"
+    unknown = max(_length(values["residual_dipole_B"]), math.sqrt(3.0) * RESIDUAL * dipole) * FIELD
+    notes["momentum_random_walk"] = f"{math.sqrt(RADIAN) * unknown:.3g} N.m.s"
     notes["dipole_mean"] = f"{DUTY * dipole:.6g} A.m2"
 
     kind = str(values["wheels"])
@@ -169,8 +180,8 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
         emptied = f"; the rods take it away in {momentum / torque:.3g} s" if torque > 0.0 else ""
         notes["wheel_momentum_max"] = held + emptied
         told = TOLD * found.number("wheel_inertia", values["wheel_inertia"])
-        notes["wheel_momentum_noise"] = "0 N.m.s" if axes else f"{told:.3g} N.m.s"
-        notes["wheel_telemetry"] = SET_TELEMETRY if axes else "assumed: its speed to 1 rpm, times its inertia"
+        notes["wheel_momentum_noise"] = f"{told:.3g} N.m.s"
+        notes["wheel_telemetry"] = f"assumed: {'its' if axes is None else 'each'} speed to 1 rpm, times its inertia"
     values["wheel_count"] = 1
     if axes is not None:
         values["wheel_count"] = len(axes)

@@ -46,8 +46,9 @@ class Inputs:
     orbit_sample: int
     sun_sample: int
     dipole: Array
-    h_w: float
-    wheel_torque: float
+    h_w: float | Array
+    wheel_torque: float | Array
+    """(4,) of a set of wheels."""
     sun_sensors: Array
 
     @property
@@ -108,7 +109,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     if p.bank:
         _measured(u, x.fresh)
         return _given_out(Estimate.unpacked(x.now), p, _banked(x))
-    now = advanced(Estimate.unpacked(x.before), _measured(u, x.fresh), _given(x.actuators), p, x.h)
+    now = advanced(Estimate.unpacked(x.before), _measured(u, x.fresh), _given(x.actuators, p), p, x.h)
     return _given_out(now, p)
 
 
@@ -122,7 +123,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 
 def _stepped(before: Estimate, banked: Banked | None, u: Inputs, p: Parameters, h: float, fresh: Array) -> State:
     actuators = _actuators(u)
-    now = advanced(before, _measured(u, fresh), _given(actuators), p, h, banked)
+    now = advanced(before, _measured(u, fresh), _given(actuators, p), p, h, banked)
     return State(
         before.packed, now.packed, h, u.counts, fresh, actuators, np.empty(0) if banked is None else banked.packed
     )
@@ -133,15 +134,16 @@ def _banked(x: State) -> Banked | None:
 
 
 def _actuators(u: Inputs) -> Array:
-    """Dipoles, dl/dt and wheel momentum (5,). Raises ValueError for an input that is not finite."""
+    """Dipoles, dl/dt and wheel momenta (5,), (11,) of a set. Raises ValueError for an input that is not finite."""
     for name in ("dipole", "wheel_torque", "h_w"):
         _require_finite(name, getattr(u, name))
-    return np.array((*(u.dipole if _connected(u.dipole) else np.zeros(3)), u.wheel_torque, u.h_w))
+    return np.hstack((u.dipole if _connected(u.dipole) else np.zeros(3), u.wheel_torque, u.h_w))
 
 
-def _given(actuators: Array) -> Given:
-    wheel, h_w = (float(value) if _connected(value) else None for value in actuators[3:])
-    return Given(actuators[:3], wheel, h_w)
+def _given(actuators: Array, p: Parameters) -> Given:
+    wheels = actuators[3:].reshape(2, -1)
+    torque, momentum = (p.of_wheels(each) if _connected(each) else None for each in wheels)
+    return Given(actuators[:3], torque, momentum)
 
 
 def _measured(u: Inputs, fresh: Array) -> Measured:

@@ -75,8 +75,8 @@ def _forward(x: Estimate, measured: Array | None, field_N: Array, given: Given, 
     """Rate, attitude and covariance h s later."""
     if x.by_gyro:
         x = _by_gyro(x, measured, p, h)
-        turned = x.momentum + (0.0 if given.wheel_torque is None else h * given.wheel_torque)
-        x = replace(x, momentum=turned if given.h_w is None else given.h_w)
+        turned = x.momentum_B if given.wheel_torque_B is None else x.momentum_B + h * given.wheel_torque_B
+        x = replace(x, momentum_B=turned if given.momentum_B is None else given.momentum_B)
     else:
         x = _by_dynamics(x, field_N, given, p, h)
         if measured is not None and p.rate_source == "gyro":
@@ -127,21 +127,21 @@ def _by_gyro(x: Estimate, measured: Array | None, p: Parameters, h: float) -> Es
 
 def _by_dynamics(x: Estimate, field_N: Array, given: Given, p: Parameters, h: float) -> Estimate:
     """The same by the equations of motion; without an attitude there is nothing to go by."""
-    wheel = given.wheel_torque
-    if wheel is None:
-        wheel = (given.h_w - x.momentum) / h if given.h_w is not None and h > 0.0 else 0.0
-    after = x.momentum + h * wheel if given.h_w is None else given.h_w
+    wheel_B = given.wheel_torque_B
+    if wheel_B is None:
+        wheel_B = (given.momentum_B - x.momentum_B) / h if given.momentum_B is not None and h > 0.0 else ZERO
+    after = x.momentum_B + h * wheel_B if given.momentum_B is None else given.momentum_B
     if not (x.known and h > 0.0):
-        return replace(x, momentum=after)
+        return replace(x, momentum_B=after)
     r = norm(x.r_N)
     nadir = math.sqrt(3.0 * p.gravitational_parameter / (r * r * r)) / r * x.r_N
-    axis, dipole_B = p.wheel_axis / norm(p.wheel_axis), p.rod_axes.T @ given.dipole
-    torques = Torques(p.J_B, p.J_inverse, axis, dipole_B, field_N, nadir, wheel, x.disturbance_B)
-    growth = torques.growth(x.omega_B, x.momentum)
-    R, turn, omega = turn_by_dynamics(x.R, x.omega_B, x.momentum, torques, h)
+    torques = Torques(p.J_B, p.J_inverse, p.rod_axes.T @ given.dipole, field_N, nadir, wheel_B, x.disturbance_B)
+    growth = torques.growth(x.omega_B, x.momentum_B)
+    R, turn, omega = turn_by_dynamics(x.R, x.omega_B, x.momentum_B, torques, h)
     unknown = unknown_torque(x.omega_B, R, torques) if gyro_lost(x, p) else p.momentum_random_walk
     walk = unknown * unknown * p.J_inverse @ p.J_inverse.T
-    x = replace(x, R=R, rate=omega + x.rate_bias, momentum=after, disturbance_B=math.exp(-h / LASTS) * x.disturbance_B)
+    lasting_B = math.exp(-h / LASTS) * x.disturbance_B
+    x = replace(x, R=R, rate=omega + x.rate_bias, momentum_B=after, disturbance_B=lasting_B)
     return _spread(x, turn, 1.0, growth, walk, 0.0, p, h)
 
 

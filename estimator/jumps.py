@@ -13,7 +13,7 @@ import numpy as np
 from .health import CALM, FIELD, RATE, jumped
 from .parameters import Parameters
 from .so3 import Array, cross, exp, norm
-from .state import Estimate, Given
+from .state import ZERO, Estimate, Given
 
 RATE_JUMP, FIELD_JUMP = 2e-3, 5e-6
 """Least jumps: rad/s, T."""
@@ -27,12 +27,13 @@ def rate_followed(x: Estimate, measured: Array, given: Given, p: Parameters, h: 
     """With the gyro's bias after its jump at a new measurement, rad/s, at the end of a step of h s."""
     watch = x.watch[RATE]
     dt = watch.since
-    if not x.by_gyro or not dt > 0.0 or (given.h_w is None and given.wheel_torque is None):
+    if not x.by_gyro or not dt > 0.0 or (given.momentum_B is None and given.wheel_torque_B is None):
         return x
-    omega, axis = x.omega_B, p.wheel_axis / norm(p.wheel_axis)
-    wheel = (given.h_w - x.momentum) / h if given.h_w is not None and h > 0.0 else (given.wheel_torque or 0.0)
-    motor = p.J_inverse @ (-wheel * axis)
-    turning = p.J_inverse @ cross(p.J_B @ omega + x.momentum * axis, omega)
+    omega, wheel_B = x.omega_B, ZERO if given.wheel_torque_B is None else given.wheel_torque_B
+    if given.momentum_B is not None and h > 0.0:
+        wheel_B = (given.momentum_B - x.momentum_B) / h
+    motor = p.J_inverse @ -wheel_B
+    turning = p.J_inverse @ cross(p.J_B @ omega + x.momentum_B, omega)
     off = measured - x.rate - dt * (turning + motor)
     watch, jumps = jumped(watch, off, RATE_JUMP + dt * norm(motor))
     x = x.watched(RATE, watch)

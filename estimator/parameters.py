@@ -29,6 +29,7 @@ class Parameters:
     J_B: Array
     rod_axes: Array
     wheel_axis: Array
+    """(3,), or (4, 3) of a set of wheels."""
     momentum_random_walk: float
     field_noise: float
     field_bias_sigma: float
@@ -58,6 +59,8 @@ class Parameters:
     field_model: str
     field_degree: int
     field_error: Array
+    wheels: int = 1
+    """How many of a set are there."""
 
     @cached_property
     def days(self) -> float:
@@ -75,6 +78,19 @@ class Parameters:
         """(3,3)"""
         inverse: Array = np.linalg.inv(self.J_B).astype(np.float64)
         return inverse
+
+    @cached_property
+    def wheel_axes(self) -> Array:
+        """Rows (wheels,3): unit axes of the wheels that are there."""
+        axes = np.atleast_2d(self.wheel_axis)[: self.wheels]
+        return np.array([axis / norm(axis) for axis in axes]).reshape(-1, 3)
+
+    def of_wheels(self, each: Array | float) -> Array:
+        """What each wheel has along its axis, in body axes and all together (3,)."""
+        whole = np.zeros(3)
+        for value, axis in zip(np.atleast_1d(each), self.wheel_axes, strict=False):
+            whole = whole + value * axis
+        return whole
 
     @cached_property
     def tracker_axes(self) -> Array:
@@ -113,9 +129,11 @@ def check(p: Parameters) -> None:
         raise ValueError(f"field_model: expected one of {', '.join(tables.NAMES)}, found {p.field_model!r}")
     if not 1 <= p.field_degree <= tables.DEGREE:
         raise ValueError(f"field_degree: expected 1 to {tables.DEGREE}, found {p.field_degree}")
+    if not 0 <= p.wheels <= (most := len(np.atleast_2d(p.wheel_axis))):
+        raise ValueError(f"wheels: expected 0 to {most}, found {p.wheels}")
     for name, axes in (
         ("rod_axes", p.rod_axes),
-        ("wheel_axis", p.wheel_axis[None]),
+        ("wheel_axis", np.atleast_2d(p.wheel_axis)[: p.wheels]),
         ("boresight_B", p.boresight_B[None]),
         ("sun_sensor_axes", p.sun_sensor_axes[p.sun_sensor_axes.any(axis=1)]),
     ):

@@ -20,28 +20,27 @@ class Torques:
 
     J: Array
     J_inverse: Array
-    wheel_axis: Array
     dipole_B: Array
     """A m2"""
     field_N: Array
     """T"""
     nadir_N: Array
     """sqrt(3 mu/r^3) times the unit position, 1/s: the gravity gradient is nadir x J nadir."""
-    wheel: float
-    """dl/dt, N m"""
+    wheel_B: Array
+    """dl/dt of all wheels, N m"""
     disturbance_B: Array
     """N m"""
 
-    def acceleration(self, R: Array, omega: Array, momentum: float) -> Array:
-        """dω/dt (3,): J dω/dt = (J ω + l a) × ω + m × Rᵀ B + nadir × J nadir - dl/dt a + d."""
+    def acceleration(self, R: Array, omega: Array, momentum_B: Array) -> Array:
+        """dω/dt (3,): J dω/dt = (J ω + l) × ω + m × Rᵀ B + nadir × J nadir - dl/dt + d."""
         nadir, field = R.T @ self.nadir_N, R.T @ self.field_N
-        torque = cross(self.J @ omega + momentum * self.wheel_axis, omega) + cross(self.dipole_B, field)
+        torque = cross(self.J @ omega + momentum_B, omega) + cross(self.dipole_B, field)
         torque = torque + self.disturbance_B
-        return self.J_inverse @ (torque + cross(nadir, self.J @ nadir) - self.wheel * self.wheel_axis)
+        return self.J_inverse @ (torque + cross(nadir, self.J @ nadir) - self.wheel_B)
 
-    def growth(self, omega: Array, momentum: float) -> Array:
+    def growth(self, omega: Array, momentum_B: Array) -> Array:
         """The derivative (3,3), 1/s, of dω/dt with ω."""
-        return self.J_inverse @ (hat(self.J @ omega + momentum * self.wheel_axis) - hat(omega) @ self.J)
+        return self.J_inverse @ (hat(self.J @ omega + momentum_B) - hat(omega) @ self.J)
 
 
 def turn_by_gyro(before: Array, now: Array, h: float, since: float) -> Array:
@@ -53,19 +52,21 @@ def turn_by_gyro(before: Array, now: Array, h: float, since: float) -> Array:
     return h * before + 0.5 * since * (now - before) + h * h / 12.0 * cross(before, now)
 
 
-def turn_by_dynamics(R: Array, omega: Array, momentum: float, torques: Torques, h: float) -> tuple[Array, Array, Array]:
+def turn_by_dynamics(
+    R: Array, omega: Array, momentum_B: Array, torques: Torques, h: float
+) -> tuple[Array, Array, Array]:
     """Attitude (3,3), its turn (3,) in all and rate (3,) after h s; Runge and Kutta, order 4, for the rate."""
     steps = max(1, math.ceil(h / STEP))
     dt = h / steps
     whole = np.zeros(3)
     for _ in range(steps):
-        half_R, half_l = R @ exp(0.5 * dt * omega), momentum + 0.5 * dt * torques.wheel
-        next_R, momentum_next = R @ exp(dt * omega), momentum + dt * torques.wheel
-        a1 = torques.acceleration(R, omega, momentum)
+        half_R, half_l = R @ exp(0.5 * dt * omega), momentum_B + 0.5 * dt * torques.wheel_B
+        next_R, next_l = R @ exp(dt * omega), momentum_B + dt * torques.wheel_B
+        a1 = torques.acceleration(R, omega, momentum_B)
         a2 = torques.acceleration(half_R, omega + 0.5 * dt * a1, half_l)
         a3 = torques.acceleration(half_R, omega + 0.5 * dt * a2, half_l)
-        a4 = torques.acceleration(next_R, omega + dt * a3, momentum_next)
+        a4 = torques.acceleration(next_R, omega + dt * a3, next_l)
         following = omega + dt / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
         turn = 0.5 * dt * (omega + following) + dt * dt / 12.0 * (cross(omega, following) + a1 - a4)
-        R, omega, momentum, whole = R @ exp(turn), following, momentum_next, whole + turn
+        R, omega, momentum_B, whole = R @ exp(turn), following, next_l, whole + turn
     return R, whole, omega

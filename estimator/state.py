@@ -28,11 +28,12 @@ class Measured(NamedTuple):
 
 
 class Given(NamedTuple):
-    """The actuators over a step: dipoles along the rods, A m2, dl/dt, N m, wheel momentum at its end, N m s."""
+    """The actuators over a step: dipoles along the rods, A m2; of all wheels in body axes dl/dt, N m, and their
+    momentum at its end, N m s."""
 
     dipole: Array
-    wheel_torque: float | None
-    h_w: float | None
+    wheel_torque_B: Array | None
+    momentum_B: Array | None
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,8 @@ class Estimate:
     v_N: Array
     since_orbit: float
     """s since the last measured orbit."""
-    momentum: float
-    """Wheel momentum, N m s."""
+    momentum_B: Array
+    """Of all wheels, N m s."""
     b_B: Array
     b_age: float
     """s since it was measured."""
@@ -140,7 +141,7 @@ def blank(omega_B: Array, p: Parameters) -> Estimate:
         r_N=ZERO,
         v_N=ZERO,
         since_orbit=0.0,
-        momentum=0.0,
+        momentum_B=ZERO,
         b_B=ZERO,
         b_age=0.0,
         anchored=False,

@@ -36,7 +36,7 @@ _OF_ONE = (
     *("plant_sensors", "plant_judge", "controller_planned", "controller_planned_wheels", "controller_wheels"),
     *("estimator", "supervisor"),
 )
-SETS = {"plant_wheels": ("plant", "wheel"), "allocator_bounded_wheels": ("allocator_bounded", "wheel")}
+SETS = {f"{block}_wheels": (block, "wheel") for block in ("plant", "allocator_bounded", "plant_sensors", "estimator")}
 """Blocks that are another one for a set of parts: that block, whose package and file they share, and the set's name."""
 BLOCKS: tuple[str, ...] = (*_OF_ONE, *SETS)
 """All blocks of this project. The block `a_b` is the package `a.b`, beside the block `a` and apart from it."""

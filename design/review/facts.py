@@ -18,6 +18,8 @@ from plant.so3 import Array
 
 from ..plausible import NONE, PLANTS, Satellite, satellite
 
+ONE = {f"{block}_wheels": block for block in ("plant_sensors", "estimator")}
+"""Blocks for a set of wheels by the kind that they count as."""
 GOAL = math.radians(5.0)
 """Of the hold, where no expectation states one."""
 
@@ -82,6 +84,7 @@ def facts(file: Path, mass: float | None) -> Facts:
         kind = entry.fmu or entry.interface or "law"
         if entry.python and (kind.startswith("controller") or name == "controller"):
             kind = f"controller law {Path(str(entry.python)).name}"  # of which no more is known than of any law
+        kind = ONE.get(kind, kind)
         blocks.setdefault("estimate_judge" if kind == "plant_judge" and name in fed else kind, name)
     if "plant_judge" not in blocks:
         raise InputError(

@@ -124,7 +124,9 @@ def failing(facts: Facts) -> list[Flight]:
     found += [(name, [{"at": at, **fault}]) for name, fault in studies.failures(facts).items()]
     recorded = [*signals(facts)]
     if facts.controller == "controller_planned":
-        recorded += [f"{facts.blocks[facts.controller]}.{name}" for name in ("rod_failed", "wheel_failed")]
+        recorded += [
+            f"{facts.blocks[facts.controller]}.{name}" for name in ("rod_failed", "wheel_failed", "h_w_frozen")
+        ]
     if SETS in facts.blocks:
         recorded.append(f"{facts.blocks[SETS]}.wheel_failed")
     if "estimator" in facts.blocks:
@@ -194,10 +196,11 @@ def _of_estimator(facts: Facts, lost: list[str]) -> list[str]:
             f"{', '.join(lost)}: a sensor that gives nothing is no failure to the estimator, as where it is blinded or "
             f"in eclipse. {estimator}.health stays good; {estimator}.attitude_bound, the bound on its error, grows."
         )
-    if facts.satellite.p.is_set and not {(estimator, "h_w"), (estimator, "wheel_torque")} & fed:
+    if facts.wheels and not {(estimator, "h_w"), (estimator, "wheel_torque")} & fed:
         notes.append(
             "gyro frozen: without its gyro the estimator follows the equations of motion, but it is not told the "
-            "momenta of the wheels, and takes their torques for disturbances. A set of wheels needs a second gyro."
+            f"momenta of the wheels, and takes their torques for disturbances: connect {estimator}.h_w and "
+            f"{estimator}.dipole."
         )
     return notes
 
@@ -214,6 +217,8 @@ def _found(facts: Facts, name: str, one: Flown, at: float) -> str:
     for part in ("rod", "wheel"):
         if name.startswith(part) and facts.controller == "controller_planned":
             flag = one[f"{facts.blocks[facts.controller]}.{part}_failed"] > 0
+    if name.startswith("telemetry") and facts.controller == "controller_planned":
+        flag = one[f"{facts.blocks[facts.controller]}.h_w_frozen"] > 0
     if name.startswith("wheel") and SETS in facts.blocks:
         flag = one[f"{facts.blocks[SETS]}.wheel_failed"][:, int(name.split()[1]) - 1] > 0
     if flag is None:

@@ -185,6 +185,10 @@ def failures(facts: Facts) -> dict[str, dict[str, str]]:
         "star tracker lost": "R_NB_measured",
         "GNSS frozen": "r_N_measured",
     }
+    if sensors and f"{sensors}.h_w_measured" in fed:
+        for i in facts.wheels:
+            of, element = (f"telemetry of wheel {i + 1}", f"[{i + 1}]") if p.is_set else ("telemetry of the wheel", "")
+            found[f"{of} frozen"] = {"freeze": f"{sensors}.h_w_measured{element}"}
     for name, port in outputs.items():
         if sensors and f"{sensors}.{port}" in fed:
             if name.startswith("star") and "star tracker" not in contributors(facts):

@@ -50,14 +50,14 @@ static void forward_by_gyro(const EstimatorLaw *law, const EstimatorInputs *u, b
 
 static void forward_by_dynamics(const EstimatorLaw *law, const Given *given, Vector field_N, double h, Estimate *x)
 {
-    double wheel = 0.0;
+    const Vector before = x->momentum_B;
+    Vector wheel_B = {0.0, 0.0, 0.0};
     if (given->has_wheel_torque) {
-        wheel = given->wheel_torque;
+        wheel_B = given->wheel_torque_B;
     } else if (given->has_h_w && h > 0.0) {
-        wheel = (given->h_w - x->momentum) / h;
+        wheel_B = changed(given->momentum_B, before, h);
     }
-    const double before = x->momentum;
-    x->momentum = given->has_h_w ? given->h_w : before + h * wheel;
+    x->momentum_B = given->has_h_w ? given->momentum_B : add(before, scale(h, wheel_B));
     if (!x->known || !(h > 0.0)) {
         return;
     }
@@ -65,11 +65,10 @@ static void forward_by_dynamics(const EstimatorLaw *law, const Given *given, Vec
     const Torques torques = {
         .J = law->J,
         .J_inverse = law->J_inverse,
-        .wheel_axis = law->wheel_axis,
         .dipole_B = apply_transposed(law->rod_axes, given->dipole),
         .field_N = field_N,
         .nadir_N = scale(sqrt(3.0 * law->p.gravitational_parameter / (r * r * r)) / r, x->r_N),
-        .wheel = wheel,
+        .wheel_B = wheel_B,
         .disturbance_B = x->disturbance_B,
     };
     Vector omega = subtract(x->rate, x->rate_bias);
@@ -157,8 +156,7 @@ static void forward(const EstimatorLaw *law, const EstimatorInputs *u, const Fre
     estimator_choose_rate(law, x);
     if (x->by_gyro) {
         forward_by_gyro(law, u, fresh->rate, h, x);
-        x->momentum =
-            given->has_h_w ? given->h_w : x->momentum + (given->has_wheel_torque ? h * given->wheel_torque : 0.0);
+        x->momentum_B = given->has_h_w ? given->momentum_B : add(x->momentum_B, scale(h, given->wheel_torque_B));
     } else {
         forward_by_dynamics(law, given, seen->field_N, h, x);
         if (fresh->rate && law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO) {

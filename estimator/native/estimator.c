@@ -36,18 +36,32 @@ static bool measurements_fit(const EstimatorInputs *u, Fault *f)
 
 static bool actuators_fit(const EstimatorInputs *u, Fault *f)
 {
-    const Named scalars[] = {{"wheel_torque", u->wheel_torque}, {"h_w", u->h_w}};
-    return all_finite_vectors(&(NamedVector){"dipole", vector(u->dipole)}, 1, f) &&
-           all_finite(scalars, COUNT(scalars), f);
+    for (int i = 0; i < ESTIMATOR_WHEELS; ++i) {
+        const Named scalars[] = {{"wheel_torque", u->wheel_torque[i]}, {"h_w", u->h_w[i]}};
+        if (!all_finite(scalars, COUNT(scalars), f)) {
+            return false;
+        }
+    }
+    return all_finite_vectors(&(NamedVector){"dipole", vector(u->dipole)}, 1, f);
 }
 
-static Given given_by(const EstimatorInputs *u)
+/* What each wheel has along its axis, in body axes and all together. */
+static Vector of_wheels(const EstimatorLaw *law, const double each[ESTIMATOR_WHEELS])
+{
+    Vector sum = {0.0, 0.0, 0.0};
+    for (int i = 0; i < ESTIMATOR_WHEELS; ++i) {
+        sum = add(sum, scale(each[i], law->wheel_axes[i]));
+    }
+    return sum;
+}
+
+static Given given_by(const EstimatorLaw *law, const EstimatorInputs *u)
 {
     const bool torque = estimator_has_wheel_torque(u), momentum = estimator_has_h_w(u);
     const Vector none = {0.0, 0.0, 0.0};
     return (Given){.dipole = estimator_has_dipole(u) ? vector(u->dipole) : none,
-                   .wheel_torque = torque ? u->wheel_torque : 0.0,
-                   .h_w = momentum ? u->h_w : 0.0,
+                   .wheel_torque_B = torque ? of_wheels(law, u->wheel_torque) : none,
+                   .momentum_B = momentum ? of_wheels(law, u->h_w) : none,
                    .has_wheel_torque = torque,
                    .has_h_w = momentum};
 }
@@ -103,7 +117,7 @@ static Fresh fresh_of(const int32_t counts[5], const int32_t last[5])
 static void step(const EstimatorLaw *law, const EstimatorInputs *u, double h, EstimatorState *x)
 {
     const int32_t counts[5] = {u->rate_sample, u->field_sample, u->orbit_sample, u->attitude_sample, u->sun_sample};
-    x->given = given_by(u);
+    x->given = given_by(law, u);
     x->fresh = fresh_of(counts, x->counts);
     memcpy(x->counts, counts, sizeof counts);
     x->h = h;

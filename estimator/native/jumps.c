@@ -24,10 +24,10 @@ void estimator_follow_rate(const EstimatorLaw *law, const Given *given, Vector m
     }
     /* What turns it but for the rods, which turn it little in a sample, and their like. */
     const Vector omega = subtract(x->rate, x->rate_bias);
-    const double wheel = given->has_h_w && h > 0.0 ? (given->h_w - x->momentum) / h : given->wheel_torque;
-    const Vector momentum = add(apply(law->J, omega), scale(x->momentum, law->wheel_axis));
-    const Vector motor = apply(law->J_inverse, scale(-wheel, law->wheel_axis));
-    const Vector turning = apply(law->J_inverse, cross(momentum, omega));
+    const Vector wheel_B =
+        given->has_h_w && h > 0.0 ? changed(given->momentum_B, x->momentum_B, h) : given->wheel_torque_B;
+    const Vector motor = apply(law->J_inverse, scale(-1.0, wheel_B));
+    const Vector turning = apply(law->J_inverse, cross(add(apply(law->J, omega), x->momentum_B), omega));
     const Vector off = subtract(subtract(measured, x->rate), scale(dt, add(turning, motor)));
     if (estimator_jumps(off, RATE_JUMP + dt * norm(motor), w)) {
         x->rate = add(x->rate, off);

@@ -2,6 +2,15 @@
 #include "estimator.h"
 #include "gauss_models.h"
 
+/* A block for one wheel has no parameter for how many there are. */
+#if ESTIMATOR_WHEELS > 1
+#define WHEELS(p) ((p)->wheels)
+static const char *const axis_names[] = {"wheel_axis[1]", "wheel_axis[2]", "wheel_axis[3]", "wheel_axis[4]"};
+#else
+#define WHEELS(p) 1
+static const char *const axis_names[] = {"wheel_axis"};
+#endif
+
 static bool check_choices(const EstimatorParameters *p, Fault *f)
 {
     if (p->rate_source != ESTIMATOR_RATE_SOURCE_GYRO && p->rate_source != ESTIMATOR_RATE_SOURCE_DYNAMICS) {
@@ -38,8 +47,15 @@ static bool check_vectors(const EstimatorParameters *p, Fault *f)
             return false;
         }
     }
+    if (!(WHEELS(p) >= 0 && WHEELS(p) <= ESTIMATOR_WHEELS)) {
+        return fault(f, "wheels", WHEELS(p), "0 to 4");
+    }
+    for (int i = 0; i < WHEELS(p); ++i) {
+        if (!is_unit_vector(vector(p->wheel_axis[i]), axis_names[i], f)) {
+            return false;
+        }
+    }
     return is_unit_vector(vector(p->boresight_B), "boresight_B", f) &&
-           is_unit_vector(vector(p->wheel_axis), "wheel_axis", f) &&
            has_unit_rows(matrix(p->rod_axes), "rod_axes", f) && is_inertia(matrix(p->J_B), "J_B", f);
 }
 
@@ -87,6 +103,8 @@ void estimator_prepare(const EstimatorParameters *p, EstimatorLaw *law)
     law->J_inverse = inverse(law->J);
     law->rod_axes = matrix(p->rod_axes);
     law->rod_field = matrix(p->rod_field);
-    law->wheel_axis = unit_vector(vector(p->wheel_axis));
+    for (int i = 0; i < ESTIMATOR_WHEELS; ++i) {
+        law->wheel_axes[i] = i < WHEELS(p) ? unit_vector(vector(p->wheel_axis[i])) : (Vector){0.0, 0.0, 0.0};
+    }
     law->tracker_axes = estimator_axes_about(unit_vector(vector(p->boresight_B)));
 }

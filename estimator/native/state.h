@@ -23,10 +23,16 @@ typedef struct {
 
 /* The actuators over a step. */
 typedef struct {
-    Vector dipole; /* along the rods, A m2 */
-    double wheel_torque, h_w;
+    Vector dipole;                     /* along the rods, A m2 */
+    Vector wheel_torque_B, momentum_B; /* of all wheels, N m, N m s; the latter at its end */
     bool has_wheel_torque, has_h_w;
 } Given;
+
+/* dl/dt, N m, over h s. */
+static inline Vector changed(Vector now, Vector before, double h)
+{
+    return (Vector){(now.x - before.x) / h, (now.y - before.y) / h, (now.z - before.z) / h};
+}
 
 /* All that the estimator knows at t, s. */
 typedef struct {
@@ -43,7 +49,7 @@ typedef struct {
     double since_rate; /* s since the gyro's last measurement */
     Vector r_N, v_N;
     double since_orbit; /* s since the last measured orbit */
-    double momentum;    /* of the wheel, N m s */
+    Vector momentum_B;  /* of all wheels, N m s */
     Vector b_B;
     double b_age; /* s since it was measured */
     /* An earlier field, for a start without the Sun: as measured, turned on with the body; by the model; its age, s. */
@@ -83,8 +89,8 @@ typedef struct {
     OnboardField field;
     double days; /* of the epoch from 2000-01-01T12:00 */
     Matrix J, J_inverse, rod_axes, rod_field;
-    Vector wheel_axis;
-    Matrix tracker_axes; /* rows: two across the boresight, and that */
+    Vector wheel_axes[ESTIMATOR_WHEELS]; /* zeros of one that is not there */
+    Matrix tracker_axes;                 /* rows: two across the boresight, and that */
 } EstimatorLaw;
 
 /* The measurements that are usable. */

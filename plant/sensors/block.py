@@ -42,7 +42,8 @@ class Inputs:
     r_N: Array
     v_N: Array
     b_B: Array
-    h_w: float
+    h_w: float | Array
+    """(4,) of a set of wheels, as h_w_measured is."""
     sun_N: Array
     sunlight: float
     dipole: Array
@@ -57,7 +58,7 @@ class Outputs:
     r_N_measured: Array
     v_N_measured: Array
     b_B_measured: Array
-    h_w_measured: float
+    h_w_measured: float | Array
     sun_sensors: Array
     sun_B_measured: Array
     dipole_measured: Array
@@ -90,7 +91,9 @@ class State(Outputs):
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0: measurement 0 of each sensor is taken."""
     zeros = np.zeros(3)
-    nothing = Outputs(np.zeros((3, 3)), zeros, zeros, zeros, zeros, 0.0, np.zeros(6), zeros, zeros, 0, 0, 0, 0, 0)
+    nothing = Outputs(
+        np.zeros((3, 3)), zeros, zeros, zeros, zeros, 0.0 * u.h_w, np.zeros(6), zeros, zeros, 0, 0, 0, 0, 0
+    )
     memory = {
         **vars(nothing),
         "sample": np.zeros(6, dtype=np.int64),

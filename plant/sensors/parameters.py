@@ -23,7 +23,7 @@ _NOT_NEGATIVE = (
 _TIMES = "attitude_outage_duration rate_instability_time orbit_outage_duration".split()
 _FINITE = (
     "attitude_bias_B attitude_boresight_B rate_bias_B rate_scale field_bias_B field_scale field_rod_coupling "
-    "sun_sensor_axes fine_sun_axis_B"
+    "sun_sensor_axes fine_sun_axis_B wheel_momentum_bias"
 ).split()
 _BETWEEN = {
     "attitude_sun_exclusion": (0.0, math.pi),
@@ -88,6 +88,8 @@ class Parameters:
     telemetry_period: float
     sensor_period: float
     seed: int
+    wheel_momentum_bias: Array | float = 0.0
+    """(4,) of a set of wheels; one wheel has none."""
 
     @cached_property
     def periods(self) -> list[float]:
@@ -148,7 +150,7 @@ def check(p: Parameters) -> None:
     """Raises ValueError with name, value and what is expected."""
     for name in _FINITE:
         if not np.isfinite(value := getattr(p, name)).all():
-            raise ValueError(f"{name}: expected finite numbers, found {value.tolist()}")
+            raise ValueError(f"{name}: expected finite numbers, found {np.asarray(value).tolist()}")
     for name in _NOT_NEGATIVE:
         if not 0.0 <= (value := getattr(p, name)) < math.inf:
             raise ValueError(f"{name}: expected a finite number, at least 0, found {value}")

@@ -107,6 +107,8 @@ def settings(block: str) -> Iterator[dict[str, Any]]:
             "wheel_axis": (PYRAMID,),
         },
     }
+    choices["estimator_wheels"] = {**choices["estimator"], "wheels": (4,), "wheel_axis": (PYRAMID,)}
+    choices["plant_sensors_wheels"] = choices["plant_sensors"]
     names = choices.get(block, {})
     for values in itertools.product(*names.values()):
         yield dict(zip(names, values, strict=True))
@@ -155,13 +157,13 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "dipole_applied": [0.04, -0.1, 0.07],
     }
     needed: dict[str, Any] = {}
-    if interface.name == "plant_sensors":  # the parameters of `settings` need these inputs
+    if interface.code == "plant_sensors":  # the parameters of `settings` need these inputs
         needed = {"sun_N": rng.normal(size=3) / 2.0, "dipole": 20.0 * rng.normal(size=3)}
         sizes |= {**needed, "sunlight": rng.choice([0.3, 0.7, 1.0])}
     if interface.name == "controller_planned_wheels" and kind == 0 and rng.uniform() < 0.7:  # it has a plan there
         near = Rotation.from_rotvec(rng.uniform(-0.5, 0.5, size=3)).as_matrix()
         sizes |= {"R_ref": sizes["R_NB"] @ near, "Omega_ref": near.T @ sizes["omega_B"], "h_w": 0.0}
-    if interface.name == "estimator":
+    if interface.code == "estimator":
         sizes |= {f"{name}_measured": sizes[name] for name in ("omega_B", "b_B", "r_N", "v_N", "R_NB")}
         sizes |= {f"{name}_sample": -1 for name in ("rate", "field", "attitude", "orbit", "sun")}
         sizes |= {"sun_B_measured": rng.normal(size=3), "dipole": 3.0 * rng.normal(size=3)}

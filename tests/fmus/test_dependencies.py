@@ -236,6 +236,7 @@ UNSEEN = {
         **{("sun_sample", f"r_N[{i}]"): BORDER for i in (1, 2, 3)},
     },
 }
+UNSEEN |= {f"{block}_wheels": UNSEEN[block] for block in ("estimator", "plant_sensors")}
 """Declared, and never seen: by output, all of them where it is empty, and element of an input."""
 
 
@@ -270,6 +271,7 @@ POINTS = {
     "controller_planned": 256,
     "allocator": 80,
     "estimator": 12,
+    "estimator_wheels": 12,
     "supervisor": 10,
 }
 

@@ -22,6 +22,7 @@ _FLOOR = {
     "ambiguity": 1e-12,  # of filters that have met
     "attitude_error": 1e-15,  # rounding of Q, where the angle is next to 0
     "lyapunov": 1e-15,  # 1 - Q_ii
+    "omega_B": 1e-15,  # a difference of measured rate and bias
     "tau_cmd_B": 1e-16,
     "rate_error_B": 1e-16,
     "tau_residual_B": 1e-16,  # a difference of equals: rounding of the demand and of the wheel's part

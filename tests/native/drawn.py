@@ -361,6 +361,26 @@ def estimator_case(rng: np.random.Generator) -> tuple[Any, Any]:
     return p, u
 
 
+def plant_sensors_wheels_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    """Each wheel with a momentum and a bias of its own."""
+    one, truth = plant_sensors_case(rng)
+    block, bias = "plant_sensors_wheels", rng.normal(scale=1e-4, size=4)
+    p = parameters(block, **{**vars(one), "wheel_momentum_bias": bias})
+    return p, inputs(block, **{**vars(truth), "h_w": rng.normal(scale=0.02, size=4)})
+
+
+def estimator_wheels_case(rng: np.random.Generator) -> tuple[Any, Any]:
+    """None to four wheels, each with its own axis; their momenta and torques given or not."""
+    one, measured = estimator_case(rng)
+    block, axes = "estimator_wheels", rng.normal(size=(4, 3))
+    own = {"wheels": int(rng.integers(5)), "wheel_axis": axes / np.linalg.norm(axes, axis=1, keepdims=True)}
+    of_wheels = {
+        "h_w": rng.normal(scale=0.01, size=4) if rng.integers(2) else np.full(4, 1e9),
+        "wheel_torque": rng.normal(scale=1e-3, size=4) if rng.integers(2) else np.full(4, 1e9),
+    }
+    return parameters(block, **{**vars(one), **own}), inputs(block, **{**vars(measured), **of_wheels})
+
+
 def supervisor_case(rng: np.random.Generator) -> tuple[Any, Any]:
     """Few parameters of time, so that five steps of 0.1 s see several modes."""
     goals = np.random.default_rng(rng.integers(2))  # one of two, so that it stays now and then
@@ -421,4 +441,6 @@ CASES = {
     "plant_sensors": plant_sensors_case,
     "plant_judge": plant_judge_case,
     "estimator": estimator_case,
+    "plant_sensors_wheels": plant_sensors_wheels_case,
+    "estimator_wheels": estimator_wheels_case,
 }

@@ -89,6 +89,10 @@ def test_what_one_flavour_refuses_the_other_refuses(block: str) -> None:
             {"v_N": [1.0, 0.0, 0.0], "rate_time": 0.0},
         ],
         "plant_sensors": [{"sensor_period": 5e-7}],
+        "plant_sensors_wheels": [{"sensor_period": 5e-7}],
+        "estimator_wheels": [
+            {"wheel_axis": [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.6, 0.9], [0.0, 0.0, 1.0]], "wheels": 3},
+        ],
         "plant_judge": [
             {"R_d0": np.diag([1.0, 1.0, -1.0])},
             {"R_NB": np.full((3, 3), 1e-12)},

@@ -49,6 +49,13 @@ static bool has_numbers(const PlantSensorsParameters *p, Fault *f)
             return fault(f, matrices[i].name, NAN, "finite numbers");
         }
     }
+#if PLANT_SENSORS_WHEELS > 1
+    for (int i = 0; i < PLANT_SENSORS_WHEELS; ++i) {
+        if (!all_finite(&(Named){"wheel_momentum_bias", p->wheel_momentum_bias[i]}, 1, f)) {
+            return false;
+        }
+    }
+#endif
     return all_finite_vectors(vectors, COUNT(vectors), f) && all_not_negative(not_negative, COUNT(not_negative), f) &&
            all_positive(times, COUNT(times), f);
 }

@@ -31,5 +31,18 @@ def four_wheels(satellite: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
+def unmeasured(four_wheels: Path) -> Path:
+    """The same without telemetry: the law has the true momenta, the estimator none."""
+    path = four_wheels.with_name("unmeasured.yaml")
+    path.write_text(
+        four_wheels.read_text("utf-8")
+        .replace("  - sensors.h_w_measured -> estimator.h_w\n", "")
+        .replace("sensors.h_w_measured ->", "plant.h_w ->"),
+        "utf-8",
+    )
+    return path
+
+
+@pytest.fixture(scope="session")
 def facts(satellite: Path) -> of.Facts:
     return of.facts(satellite, 4.0)

@@ -115,11 +115,15 @@ def test_what_is_drawn_on_a_logarithmic_axis_leaves_out_what_is_next_to_nothing(
     assert page._shown([0.0, 2.0], False).tolist() == [0.0, 2.0]
 
 
-def test_what_was_not_looked_at_names_no_sensor_that_is_not_there_and_momenta_without_telemetry(facts, four_wheels):
-    of_one, of_four = (" ".join(run._left(found).notes) for found in (facts, of.facts(four_wheels, None)))
+def test_what_was_not_looked_at_names_no_sensor_that_is_not_there_and_momenta_without_telemetry(
+    facts, four_wheels, unmeasured
+):
+    of_one, of_four, of_true = (
+        " ".join(run._left(found).notes) for found in (facts, of.facts(four_wheels, None), of.facts(unmeasured, None))
+    )
     assert "star tracker" not in of_one
-    assert "true momenta" not in of_one
-    assert "true momenta" in of_four
+    assert "true momenta" not in of_one + of_four
+    assert "true momenta" in of_true
 
 
 def test_wheels_have_margins_in_each_channel_and_a_planned_controller_what_is_left_of_disturbances(facts, four_wheels):
@@ -158,7 +162,7 @@ def _quiet(found):
     time = np.linspace(0.0, 3.0 * found.period, 10)
     judge, h_w = manoeuvres.signals(found)
     signals = {judge: np.zeros(10), h_w: np.zeros((10, 4)), "estimator.health": np.ones((10, 5))}
-    signals |= {f"controller.{part}_failed": np.zeros(10) for part in ("rod", "wheel")}
+    signals |= {f"controller.{flag}": np.zeros(10) for flag in ("rod_failed", "wheel_failed", "h_w_frozen")}
     signals["allocator.wheel_failed"] = np.zeros((10, 4))
     one = flights.Flown(time, signals, "", found.file)
     names = [f"failure-{name.replace(' ', '_')}" for name in ("none", *studies.failures(found))]
@@ -166,7 +170,7 @@ def _quiet(found):
     return {row[0]: row for row in section.tables[0].rows}, " ".join(section.notes)
 
 
-def test_failures_say_what_raises_no_flag_and_what_a_set_of_wheels_loses(satellite, four_wheels):
+def test_failures_say_what_raises_no_flag_and_what_an_estimator_lacks(satellite, facts, four_wheels, unmeasured):
     rows, notes = _quiet(of.facts(satellite.parents[1] / "none" / "tumble.yaml", None))
     assert {row[5] for row in rows.values()} == {"–"}, "there is no wheel"
     assert rows["sun sensors lost"][1] == "no flag: gives nothing"
@@ -176,7 +180,14 @@ def test_failures_say_what_raises_no_flag_and_what_a_set_of_wheels_loses(satelli
     rows, notes = _quiet(of.facts(four_wheels, None))
     assert rows["star tracker lost"][1] == "no flag: gives nothing"
     assert rows["wheel 1 stuck"][5] == "0"
+    assert [rows[f"telemetry of wheel {i} frozen"][1] for i in (1, 4)] == 2 * ["no block looks for it"]
+    assert "momenta of the wheels" not in notes
+    rows, notes = _quiet(of.facts(unmeasured, None))
+    assert not any(name.startswith("telemetry") for name in rows)
     assert "it is not told the momenta of the wheels" in notes
+    rows, notes = _quiet(facts)
+    assert rows["telemetry of the wheel frozen"][1] == "not found"
+    assert "momenta of the wheels" not in notes
 
 
 def test_a_law_in_python_is_reviewed_as_a_block_is_and_one_that_fails_at_once_by_its_file(

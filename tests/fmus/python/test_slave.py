@@ -128,10 +128,10 @@ def _drive(host: Host, block: str, k: int, count: int) -> None:
             host.set("omega_B", [0.02 * wave, 0.01, 0.003])
         elif block.startswith("allocator"):
             host.set("tau_cmd_B", [2e-3 * wave, 1e-3 * math.cos(i), 3e-4])
-        elif block == "estimator":
+        elif block.startswith("estimator"):
             host.set("omega_B_measured", [0.02 * wave, 0.01, 0.003])
             host.set("R_NB_measured", Rotation.from_rotvec([0.1 * wave, 0.2, 0.3]).as_matrix())
-        elif block == "plant_sensors":
+        elif block.startswith("plant_sensors"):
             host.set("omega_B", [0.02 * wave, 0.01, 0.003])
             host.set("rate_noise", 1e-3)
         else:
