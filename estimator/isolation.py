@@ -80,7 +80,9 @@ def restarted(x: Estimate) -> Estimate:
     again = x.by_gyro and x.restarted and x.since_start < RESTARTED
     watch[RATE] = replace(watch[RATE], suspect=watch[RATE].suspect or again, calm=0.0)
     for i in (FIELD, SUN, ATTITUDE):
-        watch[i] = replace(watch[i], mean=np.zeros(3), suspect=watch[i].suspect and not backed(x, i))
+        # Without its gyro the filter judged the others by a rate that was wrong, and needs them for an attitude.
+        suspect = watch[i].suspect and watch[RATE].trusted and not backed(x, i)
+        watch[i] = replace(watch[i], mean=np.zeros(3), suspect=suspect)
     return replace(x, tracking=False, restarted=True, watch=tuple(watch))
 
 

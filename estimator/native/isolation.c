@@ -35,7 +35,8 @@ void estimator_restart(Estimate *x)
     for (int i = 0; i < GATED; ++i) {
         Watch *w = &x->watch[estimator_sensor_of[i]];
         memset(w->mean, 0, sizeof w->mean);
-        w->suspect = w->suspect && !estimator_is_backed(i, x);
+        /* Without its gyro the filter judged the others by a rate that was wrong, and needs them for an attitude. */
+        w->suspect = w->suspect && estimator_trusted(gyro) && !estimator_is_backed(i, x);
     }
 }
 

@@ -16,7 +16,10 @@ from scipy.spatial.transform import Rotation
 import estimator
 from estimator import onboard
 from estimator.filter import propagated
-from estimator.health import BLANK, FROZEN, GOOD, INCONSISTENT, JUMPED, noticed
+from estimator.health import BLANK, FROZEN, GOOD, INCONSISTENT, JUMPED, SUN, noticed
+from estimator.health import RATE as GYRO
+from estimator.isolation import restarted
+from estimator.state import blank
 from plant.orbit import from_position_velocity
 from tests.blocks import inputs, parameters
 from tests.native.agreement import assert_same
@@ -166,6 +169,14 @@ def test_both_flavours_fly_a_failure_alike(case: str) -> None:
             native.step(k * STEP, STEP)
             if k % 20 == 0 or k > len(ys) - 3:
                 assert_same(native.outputs(), y, "estimator")
+
+
+@pytest.mark.parametrize(("frozen", "suspect"), [(False, True), (True, False)])
+def test_a_sensor_that_was_held_against_a_wrong_gyro_is_used_for_the_next_attitude(frozen: bool, suspect: bool) -> None:
+    """Field and Sun make the first attitude where the star tracker is blind; without the Sun there is none for good."""
+    x = blank(np.zeros(3), sensors())
+    x = x.watched(SUN, replace(x.watch[SUN], suspect=True)).watched(GYRO, replace(x.watch[GYRO], frozen=frozen))
+    assert restarted(x).watch[SUN].suspect == suspect
 
 
 def test_a_coarse_quantum_is_no_failure() -> None:
