@@ -24,6 +24,8 @@ from .power import power
 
 FIRST = 2
 """Tumbles of each worker by whose time on this machine the rest is announced."""
+OFF, SHORT = 0.3, 60.0
+"""Share, and time, s, by which an announced end has to be off before another one is announced."""
 LIMITS = [
     "Flexible parts, sloshing, moving panels and appendages: the body is rigid.",
     "Failures of two parts at once, failures that come and go, the computer, the radio and the power supply.",
@@ -49,17 +51,20 @@ def review(
     tracks, why = station.station(found)
     timed = Timed(found, options, len(tracks), announce)
 
-    def tumbled(done: int) -> None:
-        timed(done)
-        tell("tumbles", done, options.runs)
+    def told(study: str, of: int) -> Callable[[int], None]:
+        def told_of(done: int) -> None:
+            timed(study, done)
+            tell(study, done, of)
+
+        return told_of
 
     place = folder / "flights"
     motion = flown_alone(file, f"{tumbles.ORBITS * found.period:.6g} s", place)
-    case, rows = tumbles.fly(found, options, folder, tumbled)
+    case, rows = tumbles.fly(found, options, folder, told("tumbles", options.runs))
     holds = pointing.flights(found, options, case)
     singles = [*manoeuvres.slews(found), *tracks, *manoeuvres.failing(found)]
-    flown = fly(file, holds, place, options.workers, lambda done: tell("holds", done, len(holds)))
-    flown |= fly(file, singles, place, options.workers, lambda done: tell("manoeuvres", done, len(singles)))
+    flown = fly(file, holds, place, options.workers, told("holds", len(holds)))
+    flown |= fly(file, singles, place, options.workers, told("manoeuvres", len(singles)))
     disturbed, factors = inputs.disturbances(found)
     agility, slew_time = manoeuvres.agility(found, flown)
     tracked, station_error = station.tracking(found, flown, why)
@@ -96,31 +101,42 @@ def review(
 
 
 class Timed:
-    """Says how many flights there are, and after the first tumbles by their time on this machine how long the rest
-    takes."""
+    """Says how many flights there are, and by the time that they take on this machine how long the rest takes: after
+    the first tumbles, and again where the flights since have made it OFF longer or shorter."""
 
     def __init__(self, found: Facts, options: Options, tracks: int, announce: Callable[[str], None]) -> None:
         holds = sum(pointing.members(options, name) for name in pointing.cases(found))
         fails = len(studies.failures(found)) + 1
         slews = len(manoeuvres.slews(found))
-        self._others = (pointing.SETTLED + pointing.OBSERVED) * holds + tumbles.ORBITS
-        self._others += manoeuvres.ENDS * fails + slews + station.PASS * tracks
-        self._runs, self._first, self._announce = options.runs, FIRST * max(options.workers, 1), announce
-        self._began: tuple[float, int] | None = None
-        self._said = False
-        flights = options.runs + holds + fails + slews + tracks + 1
-        announce(f"{flights} flights, {tumbles.ORBITS * options.runs + self._others:.0f} orbits, less what is there")
+        self._flights = {"tumbles": options.runs, "holds": holds, "manoeuvres": fails + slews + tracks}
+        self._orbits = {
+            "tumbles": tumbles.ORBITS * options.runs,
+            "holds": (pointing.SETTLED + pointing.OBSERVED) * holds,
+            "manoeuvres": manoeuvres.ENDS * fails + slews + station.PASS * tracks,
+        }
+        self._first, self._announce = FIRST * max(options.workers, 1), announce
+        self._study, self._began, self._kept = "", 0.0, 0
+        self._ends: float | None = None
+        self._announce(
+            f"{sum(self._flights.values()) + 1} flights, {sum(self._orbits.values()) + tumbles.ORBITS:.0f} orbits, "
+            "less what is there"
+        )
 
-    def __call__(self, done: int) -> None:
-        """Takes how many tumbles have been flown."""
+    def __call__(self, study: str, done: int) -> None:
+        """Takes how many flights of a study have been flown."""
         now = perf_counter()
-        if self._began is None:
-            self._began = now, done
-        elif done >= self._began[1] + self._first and not self._said:
-            each = (now - self._began[0]) / (done - self._began[1]) / tumbles.ORBITS
-            left = each * (tumbles.ORBITS * (self._runs - done) + self._others)
-            self._announce(f"about {max(left / 60.0, 1.0):.0f} min more, by the time of the first tumbles")
-            self._said = True
+        if study != self._study:
+            self._study, self._began, self._kept = study, now, done
+        flown = done - self._kept
+        if flown < self._first:
+            return
+        each = self._orbits[study] / self._flights[study]
+        later = list(self._orbits)[list(self._orbits).index(study) + 1 :]
+        orbits = each * (self._flights[study] - done) + sum(self._orbits[name] for name in later)
+        left = (now - self._began) / (flown * each) * orbits
+        if self._ends is None or abs(left - (self._ends - now)) > max(OFF * (self._ends - now), SHORT):
+            self._announce(f"about {max(left / 60.0, 1.0):.0f} min more, by the time of the {study} so far")
+            self._ends = now + left
 
 
 def _left(found: Facts) -> Section:

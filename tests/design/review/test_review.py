@@ -74,10 +74,28 @@ def test_the_time_that_is_announced_is_that_of_the_first_tumbles(facts, monkeypa
     orbits = float(said[0].partition(" flights, ")[2].partition(" orbits")[0])
     assert orbits > 2 * 100 + 1.5 * 20
     for done in (0, 2, 4, 6):
-        timed(done)
+        timed("tumbles", done)
         now[0] += 10.0
     assert len(said) == 2
-    assert said[1].startswith(f"about {2.5 * (orbits - 8) / 60:.0f} min more")
+    assert said[1].startswith(f"about {2.5 * (orbits - 10) / 60:.0f} min more")
+
+
+def test_a_review_announces_another_end_where_later_flights_take_longer(facts, monkeypatch):
+    """Tumbles of 5 s, two at once; holds take four times as long an orbit."""
+    said, now = [], [1000.0]
+    monkeypatch.setattr(run, "perf_counter", lambda: now[0])
+    timed = run.Timed(facts, Options(runs=100, members=20, workers=2), 1, said.append)
+    for done in range(0, 101, 2):
+        timed("tumbles", done)
+        now[0] += 10.0
+    assert len(said) == 2
+    for done in (2, 4, 6, 8):
+        timed("holds", done)
+        now[0] += 30.0
+    assert len(said) == 3
+    holds = timed._flights["holds"]
+    orbits = 1.5 * (holds - 6) + timed._orbits["manoeuvres"]
+    assert said[2].startswith(f"about {10.0 * orbits / 60:.0f} min more, by the time of the holds so far")
 
 
 def test_least_times_are_those_of_tumbles_whose_momentum_the_wheels_do_not_hold(four_wheels, tmp_path):
