@@ -50,8 +50,8 @@ static bool check_vectors(const EstimatorParameters *p, Fault *f)
     if (!(WHEELS(p) >= 0 && WHEELS(p) <= ESTIMATOR_WHEELS)) {
         return fault(f, "wheels", WHEELS(p), "0 to 4");
     }
-    for (int i = 0; i < WHEELS(p); ++i) {
-        if (!is_unit_vector(vector(p->wheel_axis[i]), axis_names[i], f)) {
+    for (int i = 0; i < ESTIMATOR_WHEELS; ++i) {
+        if (i < WHEELS(p) && !is_unit_vector(vector(p->wheel_axis[i]), axis_names[i], f)) {
             return false;
         }
     }
