@@ -180,7 +180,8 @@ def _unseen(area: str, chosen: list[Change], share: float | None, folder: Path, 
 
     def one(change: Change) -> str:
         name = f"{change.file}: {change.words}"
-        if reason := EQUIVALENT.get(name):
+        elsewhere = change.file.endswith("_windows.c") and sys.platform != "win32"
+        if reason := "not compiled on this machine" if elsewhere else EQUIVALENT.get(name):
             end = f"equivalent, {reason}:"
         else:
             root = copies.get()

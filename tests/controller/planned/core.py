@@ -498,3 +498,10 @@ def failed_rod(
     given = doubles(gains), doubles(sigma), doubles(dipole), c_double(sigma_dipole), int(wide)
     found = int(library().probe_failed_rod(byref(p), byref(u), *given))
     return found % 10, found >= 10
+
+
+def commanded(**changes: Any) -> Array:
+    """The controls (4,) at 0 on a plan that gives the first rod 0.1 more of its dipole every 0.1 s from then on."""
+    p, u, (room, values) = filled(_BLOCK, "parameter", **changes), filled(_BLOCK, "input"), room_for(4)
+    assert library().probe_commanded(byref(p), byref(u), room)
+    return values()

@@ -73,3 +73,26 @@ PROBE void probe_standing(const FlatModel *m, const FlatAhead *a, const FlatMoti
     const double all[5] = {s.angle, s.rate, s.lost, s.near, s.loaded};
     memcpy(found, all, sizeof all);
 }
+
+/* The controls of a sample at the start, on a plan of which each stage of 0.1 s has a tenth more for the first rod. */
+PROBE int probe_commanded(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u,
+                          double controls[CONTROLS])
+{
+    static ControllerPlannedLaw law;
+    static ControllerPlannedState x;
+    ControllerPlannedOutputs y;
+    Fault f;
+    bool well = controller_planned_check(p, &f);
+    controller_planned_prepare(p, &law);
+    well = well && controller_planned_start(&law, u, &x, &f);
+    memset(&x.plan, 0, sizeof x.plan);
+    x.phase = PHASE_ACQUISITION;
+    x.plan.start = x.t;
+    x.plan.stages = 10;
+    for (int i = 0; i < x.plan.stages; ++i) {
+        x.plan.h[i] = 0.1;
+        x.plan.u[i][0] = 0.1 * i;
+    }
+    controller_planned_command(&law, &x, u, &x.estimate, controls, &y);
+    return well;
+}

@@ -135,3 +135,8 @@ def test_a_hold_is_loaded_by_its_error_or_by_the_wheel_alone(degrees, h_w, loade
         assert found[0] == pytest.approx(abs(np.radians(degrees)), rel=1e-6)
         assert found[1] == pytest.approx(3e-5, rel=1e-6)
         assert found[2:] == (False, True, loaded and (h_w == 0.0 or share > 0.6))
+
+
+def test_a_sample_gives_what_the_plan_has_in_its_middle():
+    for period, middle in ((0.3, 0.1), (0.5, 0.2), (1.1, 0.5)):
+        assert core.commanded(control_period=period) == pytest.approx([middle, 0.0, 0.0, 0.0]), period

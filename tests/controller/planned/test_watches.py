@@ -176,6 +176,9 @@ def test_a_wheel_that_does_not_follow_small_torques_is_stuck_once_it_was_watched
     assert 148 <= begins <= 152
     assert ends > 400
     assert 800 < again < 1000
+    drifts = l - 1e-4 * np.clip(np.arange(n + 1) - 400, 0, 400)
+    found = core.wheel_failed(1.0, T, torque, drifts[:-1], drifts[1:])[1]
+    assert np.array_equal(found, stuck), "a change that no torque makes tells nothing"
 
 
 def test_friction_that_holds_a_wheel_is_learned_through_noise_each_time_and_none_of_one_that_moves():
