@@ -3,6 +3,7 @@ as documented."""
 
 from __future__ import annotations
 
+import os
 import struct
 import subprocess
 import sys
@@ -155,6 +156,19 @@ def test_what_the_block_on_the_device_refuses_stops_the_run_with_its_words():
         block.set("K0", [0.3, 0.2, 0.1])
         with pytest.raises(Refused, match=r"device at udp .*, found 'K0\[2\]: expected 0 < K0\[1\] < K0\[2\]"):
             block.initialize()
+
+
+def test_a_line_may_have_the_number_of_a_standard_input_that_was_closed():
+    """A service without one: the first descriptor that is opened is 0."""
+    port, kept = devices.free_port(), os.dup(0)
+    with devices.running("controller", "udp", port):
+        os.close(0)
+        try:
+            with asked(f"127.0.0.1:{port}") as block:
+                flown(block, 2)
+        finally:
+            os.dup2(kept, 0)
+            os.close(kept)
 
 
 @pytest.mark.parametrize(("said", "found"), [("x", "x"), ("", "a refusal without a reason"), ("y" * 96, "y" * 96)])
