@@ -113,7 +113,9 @@ def learned(rate, turn=None, nominal=None, **parameters):
 
 
 @pytest.mark.parametrize("kind", ["turn", "rate"])
-def test_one_rejection_changes_nothing_a_second_in_turn_takes_what_is_measured_and_a_good_sample_ends_both(kind):
+def test_one_rejection_changes_nothing_a_second_takes_what_is_measured_and_a_good_sample_ends_both_each_time(
+    kind,
+):
     wrong = np.isin(np.arange(40), (10, 12, 13, 20, 21, 22, 30, 32))
     seen = np.outer(wrong, [0.0, 0.05, 0.0])
     found = learned(seen) if kind == "rate" else learned(0.0 * seen, seen)

@@ -290,6 +290,7 @@ def test_an_fmu_that_does_not_return_or_ends_the_process_is_named_within_its_tim
     assert time.monotonic() - begun < 40.0
 
 
+@pytest.mark.isolate
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
 def test_the_process_of_a_search_takes_no_more_memory_than_its_block_may(tmp_path):
     data = {"name": "x", "extends": str(SCENARIOS / "paper_no_singularity.yaml")}
