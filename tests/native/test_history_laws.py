@@ -373,3 +373,17 @@ def test_each_outage_loses_the_signal_and_counts_nothing_and_each_return_counts_
     # Shares of 1/3 and 1/4, in outages of 10 s: deviations of 25 and 22 over 300 s.
     assert 30 < gone < 180
     assert 20 < lost < 150
+
+
+@pytest.mark.parametrize(
+    "axis", [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, -1.0], [0.0, 1.0, 1.0]]
+)
+def test_an_axis_that_points_away_from_the_sun_is_turned_over_about_one_across_it(flavour, axis):
+    """By pi in safe_time, whichever the axis is."""
+    axis = np.array(axis) / np.linalg.norm(axis)
+    p = parameters("supervisor", safe_pointing="sun", sun_axis_B=axis, safe_time=2e3, rate_time=2.0)
+    u = inputs("supervisor", sun_B=-axis, attitude_valid=False, command=SAFE)
+    with flavour("supervisor", p, u, H) as step:
+        rate = [step(u)["Omega_ref"] for _ in range(10)][-1]
+    assert rate @ axis == pytest.approx(0.0, abs=1e-12)
+    assert np.linalg.norm(rate) == pytest.approx(np.pi / 2e3)
