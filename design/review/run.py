@@ -108,17 +108,18 @@ class Timed:
         holds = sum(pointing.members(options, name) for name in pointing.cases(found))
         fails = len(studies.failures(found)) + 1
         slews = len(manoeuvres.slews(found))
-        self._flights = {"tumbles": options.runs, "holds": holds, "manoeuvres": fails + slews + tracks}
         self._orbits = {
-            "tumbles": tumbles.ORBITS * options.runs,
-            "holds": (pointing.SETTLED + pointing.OBSERVED) * holds,
-            "manoeuvres": manoeuvres.ENDS * fails + slews + station.PASS * tracks,
+            "tumbles": [tumbles.ORBITS] * options.runs,
+            "holds": [pointing.SETTLED + pointing.OBSERVED] * holds,
+            "manoeuvres": [1.0] * slews + [station.PASS] * tracks + [manoeuvres.ENDS] * fails,
         }
+        """Of each flight, in the order in which they are flown."""
         self._first, self._announce = FIRST * max(options.workers, 1), announce
         self._study, self._began, self._kept = "", 0.0, 0
         self._ends: float | None = None
         self._announce(
-            f"{sum(self._flights.values()) + 1} flights, {sum(self._orbits.values()) + tumbles.ORBITS:.0f} orbits, "
+            f"{sum(map(len, self._orbits.values())) + 1} flights, "
+            f"{sum(map(sum, self._orbits.values())) + tumbles.ORBITS:.0f} orbits, "
             "less what is there"
         )
 
@@ -130,10 +131,10 @@ class Timed:
         flown = done - self._kept
         if flown < self._first:
             return
-        each = self._orbits[study] / self._flights[study]
+        of_this = self._orbits[study]
         later = list(self._orbits)[list(self._orbits).index(study) + 1 :]
-        orbits = each * (self._flights[study] - done) + sum(self._orbits[name] for name in later)
-        left = (now - self._began) / (flown * each) * orbits
+        orbits = sum(of_this[done:]) + sum(sum(self._orbits[name]) for name in later)
+        left = (now - self._began) / sum(of_this[self._kept : done]) * orbits
         if self._ends is None or abs(left - (self._ends - now)) > max(OFF * (self._ends - now), SHORT):
             self._announce(f"about {max(left / 60.0, 1.0):.0f} min more, by the time of the {study} so far")
             self._ends = now + left

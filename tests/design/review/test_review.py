@@ -93,8 +93,8 @@ def test_a_review_announces_another_end_where_later_flights_take_longer(facts, m
         timed("holds", done)
         now[0] += 30.0
     assert len(said) == 3
-    holds = timed._flights["holds"]
-    orbits = 1.5 * (holds - 6) + timed._orbits["manoeuvres"]
+    holds = len(timed._orbits["holds"])
+    orbits = 1.5 * (holds - 6) + sum(timed._orbits["manoeuvres"])
     assert said[2].startswith(f"about {10.0 * orbits / 60:.0f} min more, by the time of the holds so far")
 
 
