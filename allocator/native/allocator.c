@@ -1,6 +1,7 @@
 /* Tests: tests/native/test_flavours.py. */
 #include "allocator.h"
 
+#include "allocator_guard.h"
 #include "rotation.h"
 
 static const double FIELD_MIN = 1e-12;  /* T; a weaker field has no direction to allocate by */
@@ -129,6 +130,8 @@ static Vector achieved(const AllocatorLaw *law, const AllocatorInputs *u, const 
     return add(rods, wheel_reaction(vector(law->axis), dh_w, u->h_w, vector(u->omega_B)));
 }
 
+/*@ requires \separated(x, y, f);
+    ALLOCATOR_FINITE */
 bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const AllocatorInputs *u, AllocatorOutputs *y,
                        Fault *f)
 {
@@ -154,9 +157,10 @@ bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const A
     y->demand_fraction = fraction;
     store(subtract(vector(u->tau_cmd_B), achieved(law, u, &given)), y->tau_residual_B);
     y->b_wheel = B < FIELD_MIN ? 0.0 : dot(b_B, vector(law->axis)) / B;
-    return true;
+    return allocator_guard(y, f);
 }
 
+//@ assigns \nothing;
 static AllocatorState remember(double t, const AllocatorOutputs *y)
 {
     return (AllocatorState){t, {y->dipole_cmd[0], y->dipole_cmd[1], y->dipole_cmd[2]}, y->wheel_torque_cmd, y->holding};
@@ -173,6 +177,8 @@ bool allocator_start(const AllocatorLaw *law, const AllocatorInputs *u, Allocato
     return true;
 }
 
+/*@ requires \separated(x, y, f);
+    ALLOCATOR_FINITE */
 bool allocator_step(const AllocatorLaw *law, AllocatorState *x, const AllocatorInputs *u, double h, AllocatorOutputs *y,
                     Fault *f)
 {

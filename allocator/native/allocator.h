@@ -11,6 +11,8 @@
 #include "fault.h"
 #include "allocator_ports.h"
 
+#define ALLOCATOR_GUARDED /* it gives outputs that are finite, or a fault names one that is not */
+
 typedef struct {
     double t;            /* s */
     double dipole[3];    /* last commanded, A m2 along the rods */

@@ -1,6 +1,7 @@
 /* Tests: tests/native/test_flavours.py. */
 #include "controller.h"
 
+#include "controller_guard.h"
 #include "reference.h"
 
 static const Vector zero = {0.0, 0.0, 0.0};
@@ -174,6 +175,8 @@ bool controller_start(const ControllerLaw *law, const ControllerInputs *u, Contr
 }
 
 /* Of inputs that fit. */
+/*@ requires \separated(y, f);
+    CONTROLLER_FINITE */
 static bool outputs_of(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u,
                        ControllerOutputs *y, Fault *f)
 {
@@ -184,7 +187,7 @@ static bool outputs_of(const ControllerLaw *law, const ControllerState *x, const
     y->no_attitude = no_attitude(x, u);
     if (damps_only(x, u)) {
         damp(p, u, y);
-        return true;
+        return controller_guard(y, f);
     }
     ControllerState now = *x;
     if (!latch(law, u, &now, f) || !tracking_errors(law, x->t, u, &e, f) ||
@@ -215,15 +218,19 @@ static bool outputs_of(const ControllerLaw *law, const ControllerState *x, const
     y->lyapunov = 0.5 * dot(e.omega, apply(J, e.omega)) + phi.value; /* [11] */
     y->gain_k = k;
     y->gain_l = l;
-    return true;
+    return controller_guard(y, f);
 }
 
+/*@ requires \separated(x, y, f);
+    CONTROLLER_FINITE */
 bool controller_outputs(const ControllerLaw *law, const ControllerState *x, const ControllerInputs *u,
                         ControllerOutputs *y, Fault *f)
 {
     return inputs_fit(u, f) && outputs_of(law, x, u, y, f);
 }
 
+/*@ requires \separated(x, y, f);
+    CONTROLLER_FINITE */
 bool controller_step(const ControllerLaw *law, ControllerState *x, const ControllerInputs *u, double h,
                      ControllerOutputs *y, Fault *f)
 {

@@ -9,6 +9,8 @@
 #include "fault.h"
 #include "controller_ports.h"
 
+#define CONTROLLER_GUARDED /* it gives outputs that are finite, or a fault names one that is not */
+
 typedef struct {
     double t;                /* s */
     double attitude_error_0; /* |zeta(0)| of [10], rad, latched at the start */

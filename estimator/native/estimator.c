@@ -1,5 +1,7 @@
 #include "estimator.h"
 
+#include "estimator_guard.h"
+
 #include <string.h>
 
 #include "onboard.h"
@@ -138,6 +140,8 @@ bool estimator_start(const EstimatorLaw *law, const EstimatorInputs *u, Estimato
     return true;
 }
 
+/*@ requires \separated(x, y, f);
+    ESTIMATOR_FINITE */
 bool estimator_outputs(const EstimatorLaw *law, const EstimatorState *x, const EstimatorInputs *u, EstimatorOutputs *y,
                        Fault *f)
 {
@@ -151,9 +155,11 @@ bool estimator_outputs(const EstimatorLaw *law, const EstimatorState *x, const E
         estimator_advance(law, u, &x->fresh, &x->given, x->h, &now, NULL);
     }
     put_out(law, &now, &x->bank, y);
-    return true;
+    return estimator_guard(y, f);
 }
 
+/*@ requires \separated(x, y, f);
+    ESTIMATOR_FINITE */
 bool estimator_step(const EstimatorLaw *law, EstimatorState *x, const EstimatorInputs *u, double h, EstimatorOutputs *y,
                     Fault *f)
 {
@@ -166,5 +172,5 @@ bool estimator_step(const EstimatorLaw *law, EstimatorState *x, const EstimatorI
     x->before = x->now;
     step(law, u, h, x);
     put_out(law, &x->now, &x->bank, y);
-    return true;
+    return estimator_guard(y, f);
 }

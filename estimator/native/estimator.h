@@ -8,6 +8,8 @@
 
 #include "state.h"
 
+#define ESTIMATOR_GUARDED /* it gives outputs that are finite, or a fault names one that is not */
+
 bool estimator_check(const EstimatorParameters *p, Fault *f);
 
 /* p must have passed the check. */

@@ -20,9 +20,9 @@ from orchestration import InputError
 
 from ..processor.firmware import FLAGS, PROCESSOR, deepest
 from ..tools import tool
+from .subjects import CALLS
 
 HEAP = ("malloc", "calloc", "realloc", "free", "alloca")
-CALLS = ("check", "prepare", "start", "outputs", "step")
 
 
 @dataclass(frozen=True)

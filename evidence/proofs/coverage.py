@@ -20,13 +20,28 @@ from .subjects import ELEMENTARY, Subject
 _DEFINITION = re.compile(r"^(?:static |inline |const )*[A-Za-z_]\w*[ *]+(\w+)\([^;{}]*?\)\n\{", re.MULTILINE)
 
 
+FLIGHT = (
+    "allocator",
+    "allocator_bounded",
+    "allocator_bounded_wheels",
+    "controller",
+    "controller_planned",
+    "estimator",
+    "supervisor",
+)
+"""Blocks that fly."""
 NAMED = 20
 """So many functions that no program enters are named, of more the number is told."""
 
 
 def defined(path: Path) -> set[str]:
     """The functions that a file of C defines; one that stands in both branches of an #if once."""
-    return set(_DEFINITION.findall(path.read_text("utf-8")))
+    return set(_DEFINITION.findall(without_comments(path)))
+
+
+def without_comments(path: Path) -> str:
+    """The text of a file of C."""
+    return re.sub(r"[ \t]*(?:/\*.*?\*/|//[^\n]*)", "", path.read_text("utf-8"), flags=re.DOTALL)
 
 
 def reached(result: Result) -> Counter[str]:

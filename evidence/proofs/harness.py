@@ -1,6 +1,7 @@
-"""The program that Frama-C reads of a block: any parameters, any inputs, any number of steps, any order of calls.
+"""The program that Frama-C reads of a block: any parameters, any inputs, any number of steps.
 
-A harness calls the block as the FMI shell does: check, prepare, start, then outputs and step in a loop without end.
+A harness calls the block as flight software may: check, prepare and start, then in a loop without end outputs and step,
+and now and then check and prepare of other parameters with the state as it is.
 `ANY`: each number is any bit pattern of its type, NaN and infinities included. `LIMITS`: each is within the limits of
 the interface, an optional input also not connected, and each real output has to be finite.
 """
@@ -55,8 +56,7 @@ static void read_outputs(const {title}Outputs *y)
 
 static double any_step(void)
 {{
-    const double h = {step};
-    return h > 0.0 && h <= {step_max!r} ? h : 0.1;
+    return {step};
 }}
 
 static void look(const {title}State *x)
@@ -82,12 +82,26 @@ static void move({title}State *x)
     }}
 }}
 
+/* What flight software may do between two steps: other parameters, with the state as it is. */
+static void change(void)
+{{
+    {title}Parameters p;
+    Fault f = {{"", "", 0, 0.0}};
+    fill_parameters(&p);
+    if ({name}_check(&p, &f)) {{
+    {split}    {name}_prepare(&p, &law);
+    }}
+}}
+
 static void fly({title}State *x)
 {{
     //@ loop widen_hints "all", {counts};
     while (any_integer != 0{while_time}) {{
         look(x);
         move(x);
+        if (any_integer != 0) {{
+            change();
+        }}
     }}
 }}
 
@@ -129,7 +143,6 @@ def harness(interface: Interface, span: Range) -> str:
         title=camel_case(interface.code),
         outputs=outputs,
         step="any_real" if span == "any" else f"Frama_C_double_interval(0x1p-20, {STEP_MAX!r})",
-        step_max=STEP_MAX if span == "limits" else 1.7976931348623157e308,
         while_time=f" && x->t <= {TIME_MAX!r}" if span == "limits" else "",
         counts=", ".join(map(str, COUNTS)),
         split="    //@ split p.field_model;\n" if "field_model" in interface.variables else "",

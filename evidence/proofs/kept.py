@@ -14,7 +14,7 @@ from ..paper import ROOT
 from .analysis import FLAGS, Alarm, Result
 from .contracts import BY_WP
 from .harness import harness
-from .subjects import HERE, Subject
+from .subjects import HERE, Subject, reached
 
 FOLDER = ROOT / "out" / "proofs"
 
@@ -36,7 +36,7 @@ def result_of(subject: Subject) -> Result:
 
 def _digest(subject: Subject) -> str:
     how = f"{subject.span} {subject.definitions()} {subject.words()} {FLAGS} {BY_WP}"
-    digest = hashlib.sha256(how.encode())
+    digest = hashlib.sha256(f"{how} {reached().get(subject.title)}".encode())
     if (block := subject.block) is not None:
         digest.update("".join(ports_header(block.interface).values()).encode())
         if subject.span:

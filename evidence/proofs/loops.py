@@ -17,7 +17,7 @@ import yaml
 from fmus.places import PACKAGES
 from orchestration import InputError
 
-from .coverage import parts
+from .coverage import parts, without_comments
 
 FILE = Path(__file__).with_name("loops.yaml")
 _CONSTANT = r"-?[A-Z_0-9]+(?: [-+*] [A-Z_0-9]+)*"
@@ -47,18 +47,17 @@ class Loop:
 
 def loops_of(path: Path) -> Iterator[Loop]:
     """Those of a file of C."""
-    text = re.sub(r"/\*.*?\*/|//[^\n]*", "", path.read_text("utf-8"), flags=re.DOTALL)
-    text = re.sub(r'"[^"\n]*"', '""', text)
+    text = re.sub(r'"[^"\n]*"', '""', without_comments(path))
     for found in re.finditer(r"\b(?:for|while) \(", text):
-        end = _closing(text, found.end() - 1, "()") + 1
+        end = closing(text, found.end() - 1, "()") + 1
         if text[end:].lstrip().startswith("{"):
             begin = text.index("{", end)
-            yield Loop(" ".join(text[found.start() : end].split()), text[begin : _closing(text, begin, "{}")])
+            yield Loop(" ".join(text[found.start() : end].split()), text[begin : closing(text, begin, "{}")])
         else:
             raise InputError(f"{path}: {text[found.start() : end]}: expected a body in braces")
 
 
-def _closing(text: str, at: int, pair: str) -> int:
+def closing(text: str, at: int, pair: str) -> int:
     depth = 0
     for i in range(at, len(text)):
         depth += (text[i] == pair[0]) - (text[i] == pair[1])

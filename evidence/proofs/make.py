@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-
-import yaml
 
 from orchestration import InputError
 from orchestration.cli.console import say
@@ -14,9 +11,11 @@ from orchestration.cli.console import say
 from .. import markdown
 from ..paper import ROOT
 from ..tools import side_by_side
-from .analysis import Alarm, Result
+from .analysis import Result
+from .argued import arguments, stale, unproved
 from .bounds import rows as rows_of_stack
 from .contracts import CONTRACTS, Contract
+from .coverage import FLIGHT
 from .coverage import rows as rows_of_coverage
 from .faults import faults
 from .harness import STEP_MAX, TIME_MAX
@@ -25,50 +24,17 @@ from .loops import rows as rows_of_loops
 from .rules import deviations
 from .subjects import HERE, SUBJECTS, Subject
 
-FLIGHT = (
-    "allocator",
-    "allocator_bounded",
-    "allocator_bounded_wheels",
-    "controller",
-    "controller_planned",
-    "estimator",
-    "supervisor",
-)
-"""Blocks that fly."""
 PAGE = ROOT / "docs" / "evidence" / "proofs.md"
-
-
-@dataclass(frozen=True)
-class Argument:
-    """Why a property holds that Eva cannot see."""
-
-    file: str
-    function: str
-    kind: str
-    text: str
-    argument: str
-
-    def holds(self, alarm: Alarm) -> bool:
-        where = (self.file, self.function, self.kind) == (alarm.file, alarm.function, alarm.kind)
-        return where and self.text in alarm.text
-
-
-def arguments() -> list[Argument]:
-    """Those of arguments.yaml."""
-    return [Argument(**entry) for entry in yaml.safe_load((HERE / "arguments.yaml").read_text("utf-8"))]
-
-
-def unproved(alarms: Iterable[Alarm], given: Sequence[Argument]) -> list[Alarm]:
-    """Alarms for which no argument is given."""
-    return [alarm for alarm in alarms if not any(a.holds(alarm) for a in given)]
 
 
 def prove(names: Sequence[str]) -> list[tuple[Subject, Result]]:
     """Analyses all subjects, or those of these names, and says what each came to.
 
-    Raises InputError where a property is neither proved nor argued for, or an argument is for nothing.
+    Raises InputError where a property is neither proved nor argued for, or an argument is for nothing or for another C.
     """
     given, left = arguments(), 0
+    if changed := stale(given):
+        raise InputError("\n".join(changed))
     subjects = [subject for subject in SUBJECTS if not names or subject.name in names]
     results = []
     for subject, result in zip(subjects, side_by_side(result_of, subjects), strict=True):

@@ -14,9 +14,9 @@ from orchestration.cli.console import say
 
 from ..tools import side_by_side
 from .analysis import Alarm
+from .argued import arguments, unproved
 from .contracts import CONTRACTS, Contract
 from .faults import Fault, faults
-from .make import arguments, unproved
 from .subjects import SUBJECTS, Subject
 
 FLIGHT_CODE = ("allocator", "controller", "estimator", "supervisor", "fmus")
@@ -29,7 +29,7 @@ def found(fault: Fault, folder: Path) -> list[Alarm]:
         shutil.copytree(PACKAGES / package, root / package, ignore=_other_files)
     fault.plant(root)
     result = subject_of(fault.subject).prove(folder / "proof", root)
-    return [alarm for alarm in unproved(result.alarms, arguments()) if alarm.kind == fault.kind]
+    return [alarm for alarm in unproved(result.alarms, arguments(), root) if alarm.kind == fault.kind]
 
 
 def _other_files(folder: str, names: list[str]) -> list[str]:
@@ -38,7 +38,8 @@ def _other_files(folder: str, names: list[str]) -> list[str]:
 
 def subject_of(title: str) -> Subject | Contract:
     """The proof of this title. Raises InputError where there is none."""
-    known: dict[str, Subject | Contract] = {proof.title: proof for proof in (*SUBJECTS, *CONTRACTS)}
+    proofs: tuple[Subject | Contract, ...] = (*SUBJECTS, *CONTRACTS)
+    known = {proof.title: proof for proof in proofs}
     if title not in known:
         raise InputError(f"there is no proof {title!r}; expected one of {', '.join(known)}")
     return known[title]

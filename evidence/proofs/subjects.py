@@ -5,8 +5,11 @@ Requirement: FC-1.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+
+import yaml
 
 from fmus.block import Block
 from fmus.link import NATIVE
@@ -19,6 +22,9 @@ from .contracts import BY_WP
 from .harness import Range, harness
 
 HERE = Path(__file__).parent
+REACHED = HERE / "reached.yaml"
+CALLS = ("check", "prepare", "start", "outputs", "step")
+"""What a block offers to flight software."""
 ELEMENTARY = FREESTANDING / "elementary.c"
 SPECIFIED = ("nearest_rotation", "log1p")
 """Functions whose contract stands in for their body where numbers have limits (arguments.yaml)."""
@@ -79,7 +85,20 @@ class Subject:
         sources, headers = ([root / p.relative_to(PACKAGES) for p in paths] for paths in (sources, headers))
         define, prelude = self.definitions(), HERE / "prelude.h"
         result = analyse(program, sources, headers, self.words(), define, prelude, self.span == "limits")
-        return replace(result, alarms=tuple(alarm for alarm in result.alarms if not self.is_proved_elsewhere(alarm)))
+        alarms = (alarm for alarm in result.alarms if not self.is_proved_elsewhere(alarm))
+        return replace(result, alarms=(*alarms, *self.unreached(result)))
+
+    def unreached(self, result: Result) -> Iterator[Alarm]:
+        """Calls that the program never makes, as where the check refuses all, and statements that it once reached."""
+        if self.span is not None:
+            code = Block.named(self.name).interface.code
+            for call in (*(f"{code}_{call}" for call in CALLS), "read_outputs"):
+                if call not in result.functions:
+                    yield Alarm("harness.c", 0, call, "unreached", "the program never enters it")
+        before = reached().get(self.title, 0)
+        if result.statements[0] < before:
+            text = f"{result.statements[0]} statements, {before} before; remedy: what refuses more? else {REACHED.name}"
+            yield Alarm("harness.c" if self.span else f"{self.name}.c", 0, "main", "unreached", text)
 
     def is_proved_elsewhere(self, alarm: Alarm) -> bool:
         """A postcondition of a function whose body another program follows, or what WP proves of a function."""
@@ -100,8 +119,14 @@ class Subject:
         if self.span is None:
             return words
         code = Block.named(self.name).interface.code
-        apart = {"fly": 0, "main": 200, f"{code}_check": 200, **dict.fromkeys(self.closely, self.paths)}
+        apart = {"fly": 0, "main": 200, "change": 200, f"{code}_check": 200, **dict.fromkeys(self.closely, self.paths)}
         return [*words, "-eva-slevel-function", ",".join(f"{name}:{n}" for name, n in apart.items())]
+
+
+def reached() -> dict[str, int]:
+    """The statements that the proof of each title reached when it was last made whole, less one in a hundred."""
+    kept = yaml.safe_load(REACHED.read_text("utf-8")) if REACHED.exists() else {}
+    return {title: int(0.99 * n) for title, n in kept.items()}
 
 
 _BUILTINS = ("-eva-no-builtins-auto", "-eva-builtin", "memcpy:Frama_C_memcpy")

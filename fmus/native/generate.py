@@ -104,27 +104,92 @@ def _member(interface: Interface, variable: Variable) -> str:
     return "\n".join([*lines, f"    {_C_TYPES[variable.type]} {variable.name}{dimensions};"])
 
 
+def guard_header(interface: Interface) -> dict[str, str]:
+    """Returns the header with the block's guard, by its file's name: whether each number of its outputs is finite.
+
+    Its contract is proved for each block; an array is one run of numbers.
+    """
+    name, title = interface.code, camel_case(interface.code)
+    names: list[str] = []
+    tests, runs, promised = [], [], []
+    for v in (v for v in interface.of("output") if v.type == "real"):
+        member, n = members_of(interface, v)[0], len(v.elements)
+        alone = member == v.name
+        test = f"is_number(y->{member})" if alone else f"run_finite(&y->{member}, {n})"
+        tests.append(test)
+        named = f"&y->{member}, {n}, names + {len(names)}"
+        runs.append(f"    if (!{test}) {{\n        return not_finite({named}, f);\n    }}\n")
+        each = f"\\is_finite((&y->{member})[any_place])"
+        promised.append(f"\\is_finite(y->{member})" if alone else f"(0 <= any_place < {n} ==> {each})")
+        names += [quoted(e.name) for e in v.elements]
+    ensured = "".join(f" \\\n    ensures \\result ==> {p};" for p in promised)
+    tested = " &&\n        ".join(tests)
+    listed = textwrap.indent(textwrap.fill(", ".join(names), 100, break_long_words=False), " " * 8)
+    return {
+        f"{name}_guard.h": f"""\
+/* What leaves the block is finite. Generated from its interface; do not edit. Requirement: FC-4. */
+#ifndef {name.upper()}_GUARD_H
+#define {name.upper()}_GUARD_H
+
+#include "{name}_ports.h"
+#include "finite.h"
+
+/* What the guard promises, for the proof: of each number that it is finite. */
+#ifdef __FRAMAC__
+#define {name.upper()}_FINITE{ensured}
+#endif
+
+/* Notes a number that is not finite; false. */
+/*@ assigns *f;
+    ensures !\\result; */
+static inline bool {name}_refuse(const {title}Outputs *y, Fault *f)
+{{
+    static const char *const names[] = {{
+{listed}}};
+{"".join(runs)}    return false;
+}}
+
+/* Whether each number is finite; else the fault names one that is not. */
+/*@ requires \\separated(y, f);
+    assigns *f;
+    {name.upper()}_FINITE */
+static inline bool {name}_guard(const {title}Outputs *y, Fault *f)
+{{
+    if ({tested}) {{
+        return true;
+    }}
+    return {name}_refuse(y, f);
+}}
+
+#endif
+"""
+    }
+
+
 def block_header(interface: Interface, guid: str, version: int = 2) -> str:
     """block.h: the block's structures and functions by the names that the shell uses.
 
+    A block that calls its guard itself says NAME_GUARDED; the shell calls it of any other.
     A block whose state has room at its end that is rarely in use says by NAME_STATE_USED how much is.
     """
     name, title = interface.code, camel_case(interface.code)
     types = "\n".join(f"typedef {title}{t} {t};" for t in ("Parameters", "Inputs", "Outputs", "State", "Law"))
     calls = "\n".join(f"#define block_{f} {name}_{f}" for f in ("check", "prepare", "start", "outputs", "step"))
     used = f"{name.upper()}_STATE_USED"
+    guard = f"#define block_guard(y, f) true\n#else\n#define block_guard {name}_guard\n#endif"
+    calls += f"\n#ifdef {name.upper()}_GUARDED\n{guard}"
     calls += (
         f"\n#ifdef {used}\n#define block_state_used {used}\n#else\n#define block_state_used(x) sizeof(State)\n#endif"
     )
-    return f'#include "{name}.h"\n\n{identity(interface, guid, version)}\n\n{types}\n\n{calls}\n'
+    included = f'#include "{name}.h"\n\n#include "{name}_guard.h"'
+    return f"{included}\n\n{identity(interface, guid, version)}\n\n{types}\n\n{calls}\n"
 
 
 def identity(interface: Interface, guid: str, version: int = 2) -> str:
     """The part of block.h that says which FMU it is, of which version of FMI, and how long its tables are."""
-    sizes = {"VARIABLES": len(interface.elements), "REAL_OUTPUTS": len(_real_outputs(interface))}
     head = f'#define BLOCK_GUID "{guid}"\n#define BLOCK_FMI {version}\n'
     head += f"#define BLOCK_DERIVATIVES {int(version == 3 and interface.derivatives)}\n"
-    return head + "\n".join(f"#define BLOCK_{key} {n}u" for key, n in sizes.items())
+    return head + f"#define BLOCK_VARIABLES {len(interface.elements)}u"
 
 
 def table(interface: Interface) -> str:
@@ -143,8 +208,6 @@ def table(interface: Interface) -> str:
 const Variable variables[BLOCK_VARIABLES] = {{
 {rows}
 }};
-
-const uint16_t real_outputs[BLOCK_REAL_OUTPUTS] = {{{", ".join(map(str, _real_outputs(interface)))}}};
 """
 
 
@@ -159,13 +222,6 @@ def arrays(interface: Interface) -> str:
 
 
 _ARRAYS = {"real": "FLOAT64", "integer": "INT32", "enumeration": "INT64", "boolean": "BOOLEAN", "string": "STRING"}
-
-
-def _real_outputs(interface: Interface) -> list[int]:
-    """The first of each run of them."""
-    followers = _followers(interface)
-    real = {r for v in interface.of("output") if v.type == "real" for r in v.value_references}
-    return [r for r in sorted(real) if r - 1 not in real or followers[r - 1] == 0]
 
 
 def _followers(interface: Interface) -> list[int]:

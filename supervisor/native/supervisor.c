@@ -1,8 +1,8 @@
 /* Tests: tests/native/test_flavours.py. */
 #include "supervisor.h"
 
+#include "supervisor_guard.h"
 #include "ahead.h"
-#include "guard.h"
 #include "modes.h"
 
 #include <string.h>
@@ -92,8 +92,8 @@ static bool inputs_fit(const SupervisorInputs *u, Fault *f)
     return !u->attitude_valid || is_zero_matrix(R) || is_attitude(R, f);
 }
 
-bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u,
-                        SupervisorOutputs *y, Fault *f)
+static bool outputs_of(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u,
+                       SupervisorOutputs *y, Fault *f)
 {
     Reference now = SUPERVISOR_NO_REFERENCE;
     if (!inputs_fit(u, f) || !supervisor_reference_now(law, x, u, &now, f)) {
@@ -117,7 +117,15 @@ bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, cons
         y->target_elevation = supervisor_elevation(point, u->target_latitude, u->target_longitude,
                                                    supervisor_angle_of_earth(law, x), vector(u->r_N));
     }
-    return supervisor_guard(y, f);
+    return true;
+}
+
+/*@ requires \separated(x, y, f);
+    SUPERVISOR_FINITE */
+bool supervisor_outputs(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u,
+                        SupervisorOutputs *y, Fault *f)
+{
+    return outputs_of(law, x, u, y, f) && supervisor_guard(y, f);
 }
 
 bool supervisor_start(const SupervisorLaw *law, const SupervisorInputs *u, SupervisorState *x, Fault *f)
@@ -128,6 +136,8 @@ bool supervisor_start(const SupervisorLaw *law, const SupervisorInputs *u, Super
     return inputs_fit(u, f) && supervisor_advance(law, u, 0.0, x, f) && supervisor_look_ahead(law, u, x, f);
 }
 
+/*@ requires \separated(x, y, f);
+    SUPERVISOR_FINITE */
 bool supervisor_step(const SupervisorLaw *law, SupervisorState *x, const SupervisorInputs *u, double h,
                      SupervisorOutputs *y, Fault *f)
 {

@@ -10,6 +10,8 @@
 #include "supervisor_ports.h"
 #include "slew.h"
 
+#define SUPERVISOR_GUARDED /* it gives outputs that are finite, or a fault names one that is not */
+
 /* As `mode`, `destination` and `command` count them. */
 enum {
     SUPERVISOR_SAFE = 1,

@@ -1,6 +1,7 @@
 /* Tests: tests/native/test_flavours.py. */
 #include "allocator_bounded.h"
 
+#include "allocator_bounded_guard.h"
 #include <string.h>
 
 #include "actuators.h"
@@ -78,8 +79,8 @@ static bool are_inputs(const AllocatorBoundedInputs *u, Fault *f)
     return true;
 }
 
-bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
-                               const AllocatorBoundedInputs *u, AllocatorBoundedOutputs *y, Fault *f)
+static bool outputs_of(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
+                       AllocatorBoundedOutputs *y, Fault *f)
 {
     if (!are_inputs(u, f)) {
         return false;
@@ -121,6 +122,14 @@ bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBo
     return true;
 }
 
+/*@ requires \separated(x, y, f);
+    ALLOCATOR_BOUNDED_FINITE */
+bool allocator_bounded_outputs(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                               const AllocatorBoundedInputs *u, AllocatorBoundedOutputs *y, Fault *f)
+{
+    return outputs_of(law, x, u, y, f) && allocator_bounded_guard(y, f);
+}
+
 bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedState *x,
                              Fault *f)
 {
@@ -136,6 +145,8 @@ bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoun
     return true;
 }
 
+/*@ requires \separated(x, y, f);
+    ALLOCATOR_BOUNDED_FINITE */
 bool allocator_bounded_step(const AllocatorBoundedLaw *law, AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
                             double h, AllocatorBoundedOutputs *y, Fault *f)
 {

@@ -13,6 +13,8 @@
 #include "fault.h"
 #include "allocator_bounded_ports.h"
 
+#define ALLOCATOR_BOUNDED_GUARDED /* it gives outputs that are finite, or a fault names one that is not */
+
 typedef struct {
     double t;                                    /* s */
     double h_w[ALLOCATOR_BOUNDED_WHEELS];        /* of the last sample, N m s */

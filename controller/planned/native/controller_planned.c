@@ -5,6 +5,7 @@
 
 #include "decide/phases.h"
 #include "plan/rods_alone.h"
+#include "controller_planned_guard.h"
 #include "reference.h"
 
 static const Motion NO_REFERENCE = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, {0.0, 0.0, 0.0}, 0.0};
@@ -37,12 +38,14 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     controller_planned_command(law, x, u, &now, x->u, &x->held);
 }
 
-/* What leaves the block, through the guard. */
+/* What leaves the block, through the guards. */
+/*@ requires \separated(y, f);
+    CONTROLLER_PLANNED_FINITE */
 static bool give(const ControllerPlannedLaw *law, ControllerPlannedOutputs *y, Fault *f)
 {
     double rod_limits[3];
     store(controller_planned_rod_dipoles(&law->p), rod_limits);
-    return controller_planned_guard(rod_limits, law->p.wheel_torque_max, y, f);
+    return controller_planned_limits(rod_limits, law->p.wheel_torque_max, y, f) && controller_planned_guard(y, f);
 }
 
 /* Of the orbit through position and velocity, or of a low one where they give none. */
@@ -141,6 +144,8 @@ bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlanned
     return controller_planned_inputs_fit(u, law->p.gravitational_parameter, f) && begin(law, u, x, f);
 }
 
+/*@ requires \separated(x, y, f);
+    CONTROLLER_PLANNED_FINITE */
 bool controller_planned_outputs(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
                                 const ControllerPlannedInputs *u, ControllerPlannedOutputs *y, Fault *f)
 {
@@ -161,6 +166,8 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
     return give(law, y, f);
 }
 
+/*@ requires \separated(x, y, f);
+    CONTROLLER_PLANNED_FINITE */
 bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u,
                              double h, ControllerPlannedOutputs *y, Fault *f)
 {

@@ -13,6 +13,8 @@
 #include "fault.h"
 #include "state.h"
 
+#define CONTROLLER_PLANNED_GUARDED /* it gives outputs that are finite, or a fault names one that is not */
+
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f);
 
 /* p must have passed the check. */

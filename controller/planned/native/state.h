@@ -165,6 +165,6 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
 
 /* The last look at the commands: each is brought within its limit, A m2 and N m, and refused where it is no finite
  * number. */
-bool controller_planned_guard(const double rod_limits[3], double torque_max, ControllerPlannedOutputs *y, Fault *f);
+bool controller_planned_limits(const double rod_limits[3], double torque_max, ControllerPlannedOutputs *y, Fault *f);
 
 #endif

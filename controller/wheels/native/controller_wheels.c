@@ -1,6 +1,7 @@
 /* Tests: tests/controller/wheels/test_controller_wheels.py. */
 #include "controller_wheels.h"
 
+#include "controller_wheels_guard.h"
 #include "reference.h"
 
 typedef struct {
@@ -73,8 +74,8 @@ static Vector acceleration(const ControllerWheelsLaw *law, const Errors *e)
     return add(add(e->dOmega_d_B, change), scale(gain, subtract(wanted, e->omega)));
 }
 
-bool controller_wheels_outputs(const ControllerWheelsLaw *law, const ControllerWheelsState *x,
-                               const ControllerWheelsInputs *u, ControllerWheelsOutputs *y, Fault *f)
+static bool outputs_of(const ControllerWheelsLaw *law, const ControllerWheelsState *x, const ControllerWheelsInputs *u,
+                       ControllerWheelsOutputs *y, Fault *f)
 {
     const ControllerWheelsParameters *p = &law->p;
     Errors e;
@@ -109,6 +110,14 @@ bool controller_wheels_outputs(const ControllerWheelsLaw *law, const ControllerW
     return true;
 }
 
+/*@ requires \separated(x, y, f);
+    CONTROLLER_WHEELS_FINITE */
+bool controller_wheels_outputs(const ControllerWheelsLaw *law, const ControllerWheelsState *x,
+                               const ControllerWheelsInputs *u, ControllerWheelsOutputs *y, Fault *f)
+{
+    return outputs_of(law, x, u, y, f) && controller_wheels_guard(y, f);
+}
+
 bool controller_wheels_start(const ControllerWheelsLaw *law, const ControllerWheelsInputs *u, ControllerWheelsState *x,
                              Fault *f)
 {
@@ -121,6 +130,8 @@ bool controller_wheels_start(const ControllerWheelsLaw *law, const ControllerWhe
     return true;
 }
 
+/*@ requires \separated(x, y, f);
+    CONTROLLER_WHEELS_FINITE */
 bool controller_wheels_step(const ControllerWheelsLaw *law, ControllerWheelsState *x, const ControllerWheelsInputs *u,
                             double h, ControllerWheelsOutputs *y, Fault *f)
 {

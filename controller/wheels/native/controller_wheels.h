@@ -12,6 +12,8 @@
 #include "fault.h"
 #include "wheels.h"
 
+#define CONTROLLER_WHEELS_GUARDED /* it gives outputs that are finite, or a fault names one that is not */
+
 typedef struct {
     double t; /* s */
 } ControllerWheelsState;

@@ -14,8 +14,7 @@ typedef struct {
 } Fault;
 
 /* Notes the fault; false, so that a check can end with `return fault(...)`. */
-/*@ requires \valid(f);
-    assigns *f, \result \from name, value, expected;
+/*@ assigns *f, \result \from name, value, expected;
     ensures !\result; */
 static inline bool fault(Fault *f, const char *name, double value, const char *expected)
 {

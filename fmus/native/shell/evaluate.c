@@ -2,8 +2,6 @@
  * Requirement: FC-4. Tests: tests/native/test_calls.py. */
 #include "instance.h"
 
-#include "finite.h"
-
 const State *state_of(const Instance *c)
 {
     return &c->states[c->current];
@@ -32,32 +30,13 @@ fmi2Status make_law_current(Instance *c, const char *function)
     return fmi2OK;
 }
 
-bool outputs_finite(const Instance *c, const char *function, const Outputs *y)
-{
-    for (size_t i = 0; i < BLOCK_REAL_OUTPUTS; ++i) {
-        const Variable *v = &variables[real_outputs[i]];
-        const unsigned char *bytes = (const unsigned char *)y + (v->offset - offsetof(Ports, y));
-        const double *values = (const double *)(const void *)bytes;
-        for (uint32_t k = 0; !run_finite(values, v->followers + 1) && k <= v->followers; ++k) {
-            if (!is_number(values[k])) {
-                refuse_fault(c, function, &(Fault){v[k].name, "a finite number for this output", NULL, values[k]});
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
 fmi2Status evaluate(Instance *c, const char *function, const State *x)
 {
     Fault f = {"inputs", "", NULL, 0.0};
     Outputs y;
     memset(&y, 0, sizeof y);
-    if (!block_outputs(&c->law, x, &c->memory.ports.u, &y, &f)) {
+    if (!block_outputs(&c->law, x, &c->memory.ports.u, &y, &f) || !block_guard(&y, &f)) {
         return refuse_fault(c, function, &f);
-    }
-    if (!outputs_finite(c, function, &y)) {
-        return fmi2Error;
     }
     memcpy(&c->memory.ports.y, &y, sizeof y);
     c->memory.fresh = true;

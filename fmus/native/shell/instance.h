@@ -42,7 +42,6 @@ typedef struct {
 } Ports;
 
 extern const Variable variables[BLOCK_VARIABLES];
-extern const uint16_t real_outputs[BLOCK_REAL_OUTPUTS]; /* the value reference of the first of each run of them */
 
 typedef enum { MODE_SETUP, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mode;
 
@@ -114,9 +113,6 @@ void restore_starts(Instance *c);
 
 /* Checks the parameters where they have changed; fmi2Error with a message where they do not fit each other. */
 fmi2Status make_law_current(Instance *c, const char *function);
-
-/* Whether all outputs are finite; refuses where one is not. */
-bool outputs_finite(const Instance *c, const char *function, const Outputs *y);
 
 /* The state that the inputs give at the start, in other_state. */
 fmi2Status start(Instance *c, const char *function);

@@ -58,10 +58,10 @@ fmi2Status fmi2DoStep(fmi2Component component, fmi2Real t, fmi2Real h, fmi2Boole
     Fault f = {"inputs", "", NULL, 0.0};
     State *x = other_state(c);
     memcpy(x, state_of(c), block_state_used(state_of(c)));
-    const bool stepped = block_step(&c->law, x, &memory->ports.u, period > 0.0 ? period : h, &memory->ports.y, &f);
-    if (!stepped || !outputs_finite(c, "fmi2DoStep", &memory->ports.y)) {
+    if (!block_step(&c->law, x, &memory->ports.u, period > 0.0 ? period : h, &memory->ports.y, &f) ||
+        !block_guard(&memory->ports.y, &f)) {
         memory->fresh = memory->held = false;
-        return stepped ? fmi2Error : refuse_fault(c, "fmi2DoStep", &f);
+        return refuse_fault(c, "fmi2DoStep", &f);
     }
     commit_state(c);
     memory->time = t + h;

@@ -109,7 +109,7 @@ PROBE void probe_guard(const double rods[3], double torque_max, double commands[
     memcpy(y.dipole_ff, commands, sizeof y.dipole_ff);
     y.wheel_torque_ff = commands[3];
     memcpy(y.tau_cmd_B, commands + 4, sizeof y.tau_cmd_B);
-    *refused = controller_planned_guard(rods, torque_max, &y, &f) ? 0 : (unsigned char)f.name[0];
+    *refused = controller_planned_limits(rods, torque_max, &y, &f) ? 0 : (unsigned char)f.name[0];
     memcpy(commands, y.dipole_ff, sizeof y.dipole_ff);
     commands[3] = y.wheel_torque_ff;
     memcpy(commands + 4, y.tau_cmd_B, sizeof y.tau_cmd_B);

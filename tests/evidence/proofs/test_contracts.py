@@ -11,27 +11,35 @@ import shutil
 import pytest
 
 from evidence.proofs.contracts import CONTRACTS
+from evidence.proofs.coverage import FLIGHT
+from fmus.block import Block
 from fmus.interface import BLOCKS, load
-from fmus.native.generate import table
+from fmus.native.generate import guard_header, members_of, quoted
 from fmus.places import PACKAGES
 
 
-@pytest.mark.parametrize("contract", CONTRACTS, ids=lambda c: c.title)
-def test_each_function_has_a_contract_in_the_file(contract):
-    files = [PACKAGES / contract.file, *(PACKAGES / "fmus" / "native" / "common").glob("*.h")]
-    text = "\n".join(path.read_text("utf-8") for path in files)
-    for function in contract.functions:
-        assert re.search(rf"ensures [^;]*;[^;]*\*/\n(static )?(inline )?bool {function}\(", text), function
-
-
 @pytest.mark.parametrize("block", BLOCKS)
-def test_every_real_output_of_a_block_is_in_a_run_that_the_guard_looks_at(block):
-    interface, text = load(block), table(load(block))
-    starts = [int(n) for n in re.findall(r"real_outputs\[BLOCK_REAL_OUTPUTS\] = \{([^}]*)\}", text)[0].split(",")]
-    rows = [row for row in text.splitlines() if row.startswith("    ROW(")]
-    seen = [n for start in starts for n in range(start, start + int(rows[start].split(",")[-1].strip(" )")) + 1)]
-    outputs = [r for v in interface.of("output") if v.type == "real" for r in v.value_references]
-    assert seen == sorted(outputs)
+def test_every_real_output_of_a_block_is_in_its_guard_and_in_what_it_promises(block):
+    interface = load(block)
+    (text,) = guard_header(interface).values()
+    guard = text[text.index("_guard(const") :]
+    promised = text[text.index("_FINITE") : text.index("#endif\n\n/* Notes")]
+    for v in interface.of("output"):
+        first, n = members_of(interface, v)[0], len(v.elements)
+        asked = f"run_finite(&y->{first}, {n})" if "[" in first else f"is_number(y->{first})"
+        assert (asked in guard) == (v.type == "real")
+        assert bool(re.search(rf"y->{re.escape(first)}[);]", promised)) == (v.type == "real")
+        assert all((quoted(e.name) in text) == (v.type == "real") for e in v.elements)
+
+
+@pytest.mark.parametrize("block", FLIGHT)
+def test_outputs_and_step_of_each_block_that_flies_promise_what_its_guard_does(block):
+    contract = next(c for c in CONTRACTS if c.title == f"guard, {block}")
+    text = (PACKAGES / contract.file).read_text("utf-8")
+    code = Block.named(block).interface.code
+    for call in ("outputs", "step"):
+        assert re.search(rf"{code.upper()}_FINITE \*/\nbool {code}_{call}\(", text)
+        assert f"{code}_{call}" in contract.functions
 
 
 @pytest.mark.thorough

@@ -9,8 +9,8 @@ import pytest
 
 from evidence.proofs import coverage
 from evidence.proofs.analysis import Alarm, Result
-from evidence.proofs.coverage import defined, rows
-from evidence.proofs.make import FLIGHT, followed_elsewhere
+from evidence.proofs.coverage import FLIGHT, defined, rows
+from evidence.proofs.make import followed_elsewhere
 from evidence.proofs.subjects import SUBJECTS
 from orchestration import InputError
 

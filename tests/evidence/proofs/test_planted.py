@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 
 from evidence.proofs.analysis import Alarm
+from evidence.proofs.argued import Argument, arguments, stale, unproved
 from evidence.proofs.faults import Fault, faults
-from evidence.proofs.make import Argument, arguments, prove, unproved
+from evidence.proofs.make import prove
 from evidence.proofs.planted import found, subject_of
 from fmus.places import PACKAGES
 from orchestration import InputError
@@ -53,7 +54,9 @@ def test_a_fault_whose_text_is_gone_is_named(tmp_path):
 def test_an_argument_holds_for_its_own_property_only():
     alarm = Alarm("vector.h", 76, "direction", "postcondition", "-1.25 ≤ \\result.x ≤ 1.25 ∧ ...")
     assert unproved([alarm], arguments()) == []
-    its_own = Argument("vector.h", "direction", "postcondition", "-1.25", "since")
+    rests_on = ("fmus/native/common/vector.h: direction",)
+    its_own = Argument("vector.h", "direction", "postcondition", "-1.25", "since", rests_on, "")
+    its_own = replace(its_own, code=its_own.digest())
     assert unproved([alarm], [its_own]) == []
     changes = {"file": "box.c", "function": "norm", "kind": "precondition of direction", "text": "-1.26"}
     for name, other in changes.items():

@@ -40,7 +40,7 @@ static bool bring_within(double *command, double low, double high)
     ensures \result ==> is_within(y->dipole_ff[2], rod_limits[2]);
     ensures \result ==> is_within(y->wheel_torque_ff, torque_max);
     ensures \result ==> \is_finite(y->tau_cmd_B[0]) && \is_finite(y->tau_cmd_B[1]) && \is_finite(y->tau_cmd_B[2]); */
-bool controller_planned_guard(const double rod_limits[3], double torque_max, ControllerPlannedOutputs *y, Fault *f)
+bool controller_planned_limits(const double rod_limits[3], double torque_max, ControllerPlannedOutputs *y, Fault *f)
 {
     static const char *const expected = "a finite number for this output";
     if (!bring_within(&y->dipole_ff[0], -rod_limits[0], rod_limits[0]) ||

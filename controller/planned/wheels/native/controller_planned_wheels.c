@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "controller_planned_wheels_guard.h"
 #include "sample.h"
 
 static const double SOONER = 0.2;       /* of unloading_time, before the hold */
@@ -94,6 +95,8 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     store((Vector){1.0, 1.0, 1.0}, y->rod_gains_estimate);
 }
 
+/*@ requires \separated(x, y, f);
+    CONTROLLER_PLANNED_WHEELS_FINITE */
 bool controller_planned_wheels_outputs(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
                                        const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
                                        Fault *f)
@@ -103,10 +106,10 @@ bool controller_planned_wheels_outputs(ControllerPlannedWheelsLaw *law, const Co
         return false;
     }
     if (x->few > 0) {
-        return controller_planned_wheels_outputs_few(law, x, u, y, f);
+        return controller_planned_wheels_outputs_few(law, x, u, y, f) && controller_planned_wheels_guard(y, f);
     }
     command(law, x, &s, u, y);
-    return true;
+    return controller_planned_wheels_guard(y, f);
 }
 
 /* The sample of u, which ends the step h, and its outputs. */
@@ -143,9 +146,11 @@ bool controller_planned_wheels_start(ControllerPlannedWheelsLaw *law, const Cont
     return advance(law, u, true, 0.0, x, &y, f);
 }
 
+/*@ requires \separated(x, y, f);
+    CONTROLLER_PLANNED_WHEELS_FINITE */
 bool controller_planned_wheels_step(ControllerPlannedWheelsLaw *law, ControllerPlannedWheelsState *x,
                                     const ControllerPlannedWheelsInputs *u, double h, ControllerPlannedWheelsOutputs *y,
                                     Fault *f)
 {
-    return advance(law, u, false, h, x, y, f);
+    return advance(law, u, false, h, x, y, f) && controller_planned_wheels_guard(y, f);
 }

@@ -12,6 +12,8 @@
 #include "turn.h"
 #include "wheel_set.h"
 
+#define CONTROLLER_PLANNED_WHEELS_GUARDED /* it gives outputs that are finite, or a fault names one that is not */
+
 typedef enum { WHEELS_SHEDDING = 1, WHEELS_TURN = 2, WHEELS_HOLD = 3, WHEELS_DAMPING = 4 } WheelsPhase;
 
 typedef struct {

@@ -1,0 +1,97 @@
+"""Arguments for what the tool does not see, each tied to the C that it speaks of: another text there, and it is none.
+
+Requirement: FC-1.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+from fmus.places import PACKAGES
+from orchestration import InputError
+
+from .analysis import Alarm
+from .coverage import FLIGHT, defined, parts, without_comments
+from .loops import closing
+
+FILE = Path(__file__).with_name("arguments.yaml")
+
+
+@dataclass(frozen=True)
+class Argument:
+    """Why a property holds that Eva cannot see."""
+
+    file: str
+    function: str
+    kind: str
+    text: str
+    argument: str
+    rests_on: tuple[str, ...]
+    """`file: function` of the C that it speaks of; `callers` are those of its function in all flight code."""
+    code: str
+    """The digest of that C."""
+
+    def holds(self, alarm: Alarm) -> bool:
+        where = (self.file, self.function, self.kind) == (alarm.file, alarm.function, alarm.kind)
+        return where and self.text in alarm.text
+
+    def digest(self, root: Path = PACKAGES) -> str:
+        """Of the C that it speaks of, comments and spaces apart. Raises InputError where a function is not there."""
+        texts = []
+        for place in self.rests_on:
+            if place == "callers":
+                texts += _callers(root, self.function)
+                continue
+            file, _, function = place.partition(": ")
+            texts.append(_functions(root / file).get(function, ""))
+            if not texts[-1]:
+                raise InputError(f"{FILE.name}: {self.file}: {self.function}: {file} has no function {function!r}")
+        return hashlib.sha256("\n".join(texts).encode()).hexdigest()[:12]
+
+
+def arguments() -> list[Argument]:
+    """Those of arguments.yaml."""
+    entries = yaml.safe_load(FILE.read_text("utf-8"))
+    return [Argument(**{**entry, "rests_on": tuple(entry["rests_on"])}) for entry in entries]
+
+
+def stale(given: Iterable[Argument]) -> list[str]:
+    """Of each argument whose C is another now: which, and what to do."""
+    changed = [(a, a.digest()) for a in given if a.digest() != a.code]
+    return [
+        f"{FILE.name}: {a.file}: {a.function}: {a.text}: the C that it rests on has changed; "
+        f"remedy: read the argument again, then code: {digest!r}"
+        for a, digest in changed
+    ]
+
+
+def unproved(alarms: Iterable[Alarm], given: Sequence[Argument], root: Path = PACKAGES) -> list[Alarm]:
+    """Alarms for which no argument is given that speaks of the C in `root`, a copy of the packages."""
+    valid = [a for a in given if a.digest(root) == a.code]
+    return [alarm for alarm in alarms if not any(a.holds(alarm) for a in valid)]
+
+
+@functools.cache
+def _functions(path: Path) -> dict[str, str]:
+    """The text of each function of a file of C, without comments, in one line."""
+    text, found = without_comments(path), {}
+    for name in defined(path):
+        places = [m.start() for m in re.finditer(rf"^[A-Za-z].*?\b{name}\([^;{{}}]*?\)\n\{{", text, re.MULTILINE)]
+        whole = [text[at : closing(text, text.index("{\n", at), "{}") + 1] for at in places]
+        found[name] = " ".join(" ".join(whole).split())
+    return found
+
+
+def _callers(root: Path, function: str) -> list[str]:
+    """The functions of the flight code that call one of this name."""
+    files = [root / path.relative_to(PACKAGES) for _, of_part in parts(FLIGHT) for path in of_part]
+    texts = [_functions(path) for path in files]
+    call = re.compile(rf"\b{function}\(")
+    return [text for of in texts for name, text in sorted(of.items()) if name != function and call.search(text)]
