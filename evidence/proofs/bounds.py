@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from fmus.block import Block
+from fmus.block import Block, natives
 from fmus.native import COMMON, generated_sources
 from fmus.native.toolchain import FREESTANDING
 from orchestration import InputError
@@ -39,13 +39,13 @@ class Bounds:
 def bounds_of(name: str) -> Bounds:
     """Raises InputError where the compiler is missing or fails, or a function calls itself, a pointer or the heap."""
     block = Block.named(name)
-    native = block.folder / "native"
+    own = natives(block.folder)
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         for header, text in generated_sources(block.interface, block.folder).items():
             (folder / header).write_text(text, "utf-8")
-        include = [f"-I{path}" for path in (native, COMMON, FREESTANDING, folder)]
-        sources = [*sorted(native.rglob("*.c")), *sorted(FREESTANDING.glob("*.c"))]
+        include = [f"-I{path}" for path in (*own, COMMON, FREESTANDING, folder)]
+        sources = [*(path for native in own for path in sorted(native.rglob("*.c"))), *sorted(FREESTANDING.glob("*.c"))]
         graphs = [_graph(source, include, folder) for source in sources]
     refuse_heap(name, graphs)
     return Bounds(

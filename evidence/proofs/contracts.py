@@ -79,8 +79,8 @@ def _finite(name: str) -> Contract:
     """The generated guard of a block, and that its outputs leave through it."""
     block = Block.named(name)
     code, folder = block.interface.code, block.folder.relative_to(PACKAGES).as_posix()
-    own = {"allocator": ("remember",), "controller": ("outputs_of",), "controller_planned": ("give",)}.get(code, ())
-    functions = (*SHARED, f"{code}_refuse", f"{code}_guard", *own, f"{code}_outputs", f"{code}_step")
+    inner = {"allocator": ("remember",), "controller": ("outputs_of",), "controller_planned": ("give",)}
+    functions = (*SHARED, f"{code}_refuse", f"{code}_guard", *inner.get(code, ()), f"{code}_outputs", f"{code}_step")
     says = "outputs and step succeed only where each number of the outputs is finite"
     return Contract(f"guard, {name}", f"{folder}/native/{code}.c", functions, name, says)
 
@@ -88,7 +88,7 @@ def _finite(name: str) -> Contract:
 SHARED = ("is_number", "run_finite", "not_finite")
 CONTRACTS = (
     *map(_finite, ("allocator", "allocator_bounded", "allocator_bounded_wheels", "controller", "controller_wheels")),
-    *map(_finite, ("controller_planned", "controller_planned_wheels", "supervisor", "estimator")),
+    *map(_finite, ("controller_planned", "controller_planned_wheels", "supervisor", "estimator", "estimator_wheels")),
     Contract(
         "limits, planned",
         "controller/planned/native/decide/guard.c",

@@ -26,7 +26,10 @@ FLIGHT = (
     "allocator_bounded_wheels",
     "controller",
     "controller_planned",
+    "controller_planned_wheels",
+    "controller_wheels",
     "estimator",
+    "estimator_wheels",
     "supervisor",
 )
 """Blocks that fly."""

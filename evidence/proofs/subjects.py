@@ -11,7 +11,7 @@ from pathlib import Path
 
 import yaml
 
-from fmus.block import Block
+from fmus.block import Block, natives
 from fmus.link import NATIVE
 from fmus.native import COMMON, generated_sources
 from fmus.native.toolchain import FREESTANDING
@@ -66,7 +66,7 @@ class Subject:
 
     def folders(self) -> list[Path]:
         """Where its C stands."""
-        return [self.block.folder / "native"] if self.block else [path.parent for path in self.sources]
+        return natives(self.block.folder) if self.block else [path.parent for path in self.sources]
 
     def prove(self, folder: Path, root: Path = PACKAGES) -> Result:
         """Runs Eva in `folder`; `root`: a copy of the packages, with changes. Raises InputError."""
@@ -75,11 +75,12 @@ class Subject:
         if self.span is None:
             program.write_bytes((HERE / program.name).read_bytes())
         if (block := self.block) is not None:
-            headers.insert(0, block.folder / "native")
+            own = natives(block.folder) if self.span else [block.folder / "native"]
+            headers = [*own, *headers]
             for name, text in generated_sources(block.interface, block.folder).items():
                 (folder / name).write_text(text, "utf-8")
             if self.span:
-                sources += [*sorted(headers[0].rglob("*.c")), ELEMENTARY]
+                sources += [*(path for native in own for path in sorted(native.rglob("*.c"))), ELEMENTARY]
                 program = folder / "harness.c"
                 program.write_text(harness(block.interface, self.span), "utf-8")
         sources, headers = ([root / p.relative_to(PACKAGES) for p in paths] for paths in (sources, headers))
@@ -176,6 +177,13 @@ SUBJECTS = (
     Subject("controller", "limits"),
     _whole("supervisor"),
     _whole("estimator", "check_choices", "epoch_read", by_contract=("estimator_correct_states",), unroll=12, paths=20),
+    _whole("controller_wheels", "errors_of", "outputs_of", "reference_at", "reference_lvlh"),
+    _whole(
+        *("estimator_wheels", "check_choices", "epoch_read"),
+        by_contract=("estimator_correct_states",),
+        unroll=12,
+        paths=20,
+    ),
     _whole(
         *("controller_planned", "check_choices", "epoch_read"),
         by_contract=("controller_planned_box_qp", "controller_planned_solve_free"),

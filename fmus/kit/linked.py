@@ -15,6 +15,7 @@ from ..interface import Interface, Variable
 from ..link import wire
 from ..native import COMMON
 from ..native.generate import TEXT_SIZE, camel_case, ports_header
+from ..native.guard import guard_header
 from . import for_teams, own, put, refuse_other
 from .fill import filled
 
@@ -84,6 +85,7 @@ def generated(interface: Interface, of_block: bool = False) -> dict[str, str]:
     body = "\n".join(parts)
     return {
         **ports_header(interface, "interface.toml"),
+        **guard_header(interface),
         "block.h": (
             f'#ifndef BLOCK_H\n#define BLOCK_H\n\n#include "{name}.h"\n\n#include <stddef.h>\n\n{body}\n\n#endif\n'
         ),

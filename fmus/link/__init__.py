@@ -20,6 +20,7 @@ from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface, parse
 from ..native import COMMON, SHELL
 from ..native.generate import camel_case, identity, ports_header, table
+from ..native.guard import guard_header
 from ..native.toolchain import FLAGS, PLATFORMS, compile_library, compiler, host_platform
 from . import wire
 
@@ -104,6 +105,7 @@ def lay_out(interface: Interface, guid: str, generated_into: Path) -> tuple[list
     whole = linked(interface)
     for name, text in {
         **ports_header(whole),
+        **guard_header(whole),
         "block.h": _block_header(whole, guid),
         "table.c": table(whole),
         "wire.h": wire.header(interface),
@@ -122,13 +124,13 @@ def _block_header(interface: Interface, guid: str) -> str:
     """block.h: what the shell needs of a block, which is the same for each interface but for its structures."""
     records = "\n".join(f"typedef {camel_case(interface.code)}{name} {name};" for name in wire.RECORDS.values())
     calls = "\n".join(f"#define block_{name} link_{name}" for name in _FUNCTIONS)
-    calls += "\n#define block_state_used(x) sizeof(State)"
+    calls += f"\n#define block_guard {interface.code}_guard\n#define block_state_used(x) sizeof(State)"
     return f"""\
 #ifndef BLOCK_H
 #define BLOCK_H
 
 #include "fault.h"
-#include "{interface.code}_ports.h"
+#include "{interface.code}_guard.h"
 
 {identity(interface, guid)}
 

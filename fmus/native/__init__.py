@@ -19,7 +19,8 @@ from ..contents.origin import origin
 from ..interface import Interface
 from .carried import collected
 from .derivatives import slopes
-from .generate import arrays, block_header, guard_header, ports_header, table
+from .generate import arrays, block_header, ports_header, table
+from .guard import guard_header
 from .toolchain import (
     FLAGS,
     FREESTANDING,

@@ -104,68 +104,6 @@ def _member(interface: Interface, variable: Variable) -> str:
     return "\n".join([*lines, f"    {_C_TYPES[variable.type]} {variable.name}{dimensions};"])
 
 
-def guard_header(interface: Interface) -> dict[str, str]:
-    """Returns the header with the block's guard, by its file's name: whether each number of its outputs is finite.
-
-    Its contract is proved for each block; an array is one run of numbers.
-    """
-    name, title = interface.code, camel_case(interface.code)
-    names: list[str] = []
-    tests, runs, promised = [], [], []
-    for v in (v for v in interface.of("output") if v.type == "real"):
-        member, n = members_of(interface, v)[0], len(v.elements)
-        alone = member == v.name
-        test = f"is_number(y->{member})" if alone else f"run_finite(&y->{member}, {n})"
-        tests.append(test)
-        named = f"&y->{member}, {n}, names + {len(names)}"
-        runs.append(f"    if (!{test}) {{\n        return not_finite({named}, f);\n    }}\n")
-        each = f"\\is_finite((&y->{member})[any_place])"
-        promised.append(f"\\is_finite(y->{member})" if alone else f"(0 <= any_place < {n} ==> {each})")
-        names += [quoted(e.name) for e in v.elements]
-    ensured = "".join(f" \\\n    ensures \\result ==> {p};" for p in promised)
-    tested = " &&\n        ".join(tests)
-    listed = textwrap.indent(textwrap.fill(", ".join(names), 100, break_long_words=False), " " * 8)
-    return {
-        f"{name}_guard.h": f"""\
-/* What leaves the block is finite. Generated from its interface; do not edit. Requirement: FC-4. */
-#ifndef {name.upper()}_GUARD_H
-#define {name.upper()}_GUARD_H
-
-#include "{name}_ports.h"
-#include "finite.h"
-
-/* What the guard promises, for the proof: of each number that it is finite. */
-#ifdef __FRAMAC__
-#define {name.upper()}_FINITE{ensured}
-#endif
-
-/* Notes a number that is not finite; false. */
-/*@ assigns *f;
-    ensures !\\result; */
-static inline bool {name}_refuse(const {title}Outputs *y, Fault *f)
-{{
-    static const char *const names[] = {{
-{listed}}};
-{"".join(runs)}    return false;
-}}
-
-/* Whether each number is finite; else the fault names one that is not. */
-/*@ requires \\separated(y, f);
-    assigns *f;
-    {name.upper()}_FINITE */
-static inline bool {name}_guard(const {title}Outputs *y, Fault *f)
-{{
-    if ({tested}) {{
-        return true;
-    }}
-    return {name}_refuse(y, f);
-}}
-
-#endif
-"""
-    }
-
-
 def block_header(interface: Interface, guid: str, version: int = 2) -> str:
     """block.h: the block's structures and functions by the names that the shell uses.
 

@@ -136,21 +136,26 @@ bool supervisor_start(const SupervisorLaw *law, const SupervisorInputs *u, Super
     return inputs_fit(u, f) && supervisor_advance(law, u, 0.0, x, f) && supervisor_look_ahead(law, u, x, f);
 }
 
+/* The state after the step h from x. */
+static bool moved(const SupervisorLaw *law, const SupervisorState *x, const SupervisorInputs *u, double h,
+                  SupervisorState *next, Fault *f)
+{
+    if (!inputs_fit(u, f) || !supervisor_advance(law, u, h, next, f)) {
+        return false;
+    }
+    const bool other =
+        next->mode != x->mode || next->destination != x->destination || next->slew_start != x->slew_start;
+    /* to a millionth of the step, since t is a sum of steps */
+    return (!other && !(next->t >= next->ahead.next - 1e-6 * h)) || supervisor_look_ahead(law, u, next, f);
+}
+
 /*@ requires \separated(x, y, f);
     SUPERVISOR_FINITE */
 bool supervisor_step(const SupervisorLaw *law, SupervisorState *x, const SupervisorInputs *u, double h,
                      SupervisorOutputs *y, Fault *f)
 {
     SupervisorState next = *x;
-    if (!inputs_fit(u, f) || !supervisor_advance(law, u, h, &next, f)) {
-        return false;
-    }
-    const bool other = next.mode != x->mode || next.destination != x->destination || next.slew_start != x->slew_start;
-    /* to a millionth of the step, since t is a sum of steps */
-    if ((other || next.t >= next.ahead.next - 1e-6 * h) && !supervisor_look_ahead(law, u, &next, f)) {
-        return false;
-    }
-    if (!supervisor_outputs(law, &next, u, y, f)) {
+    if (!moved(law, x, u, h, &next, f) || !supervisor_outputs(law, &next, u, y, f)) {
         return false;
     }
     *x = next;

@@ -39,17 +39,18 @@ static inline bool run_finite(const double *x, size_t n)
     return all;
 }
 
-/* Notes the first of n numbers that is not finite, by the name of each; false. */
+/* Notes the first of n numbers that is not finite, by the name of their variable; false. */
 /*@ assigns *f;
     ensures !\result; */
-static inline bool not_finite(const double *x, size_t n, const char *const names[], Fault *f)
+static inline bool not_finite(const double *x, size_t n, const char *name, Fault *f)
 {
-    size_t k = 0;
-    //@ loop assigns k;
-    while (k + 1 < n && is_number(x[k])) {
-        ++k;
+    //@ loop assigns i;
+    for (size_t i = 0; i < n; ++i) {
+        if (!is_number(x[i])) {
+            return fault(f, name, x[i], "finite numbers for this output");
+        }
     }
-    return fault(f, names[k], x[k], "a finite number for this output");
+    return false;
 }
 
 #endif

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from evidence.proofs.analysis import Alarm
-from evidence.proofs.argued import Argument, arguments, stale, unproved
+from evidence.proofs.argued import Argument, arguments, unproved
 from evidence.proofs.faults import Fault, faults
 from evidence.proofs.make import prove
 from evidence.proofs.planted import found, subject_of
