@@ -1,4 +1,4 @@
-/* Tests: tests/native/test_flavours.py. */
+/* Requirements: AL-1, AL-2. Tests: tests/native/test_flavours.py. */
 #include "allocator.h"
 
 #include "allocator_guard.h"

@@ -1,4 +1,4 @@
-/* Tests: tests/native/test_flavours.py. */
+/* Requirements: CT-1, CT-2, CT-3. Tests: tests/native/test_flavours.py. */
 #include "controller.h"
 
 #include "controller_guard.h"

@@ -1,5 +1,5 @@
 /* Lefferts, Markley and Shuster, JGCD 5 (1982), with the gyro's scale as a state, many times side by side.
- * Tests: tests/native/test_flavours.py, tests/estimator/test_banked.py. */
+ * Requirement: ES-3. Tests: tests/native/test_flavours.py, tests/estimator/test_banked.py. */
 #include "bank.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Lefferts, Markley and Shuster, JGCD 5 (1982); Markley and Crassidis, Fundamentals of Spacecraft Attitude
- * Determination and Control, chapter 6. Tests: tests/native/test_flavours.py. */
+ * Determination and Control, chapter 6. Requirement: ES-2. Tests: tests/native/test_flavours.py. */
 #include "filter.h"
 
 #include <string.h>

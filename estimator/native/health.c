@@ -1,4 +1,4 @@
-/* Tests: tests/native/test_flavours.py; docs/how/health.md derives each threshold. */
+/* Requirement: ES-4. Tests: tests/native/test_flavours.py; docs/how/health.md derives each threshold. */
 #include "health.h"
 
 enum { FEW = 3, REPEATS = 20 };      /* measurements that repeat the last one, for each that did so before in turn */

@@ -1,5 +1,5 @@
 /* Which of the parts that disagree is wrong: a sensor, the filter, or its gyro. docs/how/health.md derives the limits.
- * Tests: tests/native/test_flavours.py. */
+ * Requirement: ES-4. Tests: tests/native/test_flavours.py. */
 #include <string.h>
 
 #include "state.h"

@@ -1,6 +1,6 @@
 /* Errors of the sensors that last, and what they make of the estimate: a consider analysis (Schmidt, 1966; Markley and
  * Crassidis, Fundamentals of Spacecraft Attitude Determination and Control, section 12.3.4).
- * Tests: tests/native/test_flavours.py, tests/estimator/test_bound.py. */
+ * Requirement: ES-5. Tests: tests/native/test_flavours.py, tests/estimator/test_bound.py. */
 #include <string.h>
 
 #include "state.h"

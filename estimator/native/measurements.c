@@ -1,5 +1,5 @@
 /* Each measurement against its prediction; the first attitude; what is beyond the gate.
- * Tests: tests/native/test_flavours.py. */
+ * Requirement: ES-1. Tests: tests/native/test_flavours.py. */
 #include <string.h>
 
 #include "state.h"

@@ -1,6 +1,6 @@
 """Arguments for what the tool does not see, each tied to the C that it speaks of: another text there, and it is none.
 
-Requirement: FC-1.
+Shows FC-1.
 """
 
 from __future__ import annotations

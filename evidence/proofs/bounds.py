@@ -1,7 +1,7 @@
 """What flight software asks for beside the proofs: the depth of the stack, and no recursion, heap or call through a
 pointer.
 
-Requirement: FC-2.
+Shows FC-2.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 A guard relates a number to its limit, and says something of each of many numbers. Eva's sets of values do not.
 Needs frama-c, why3 and z3 (Debian: frama-c-base, why3, z3).
 
-Requirement: FC-4.
+Shows FC-4.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Which functions of the flight code lie in a program that was proved, and in which.
 
-Requirement: FC-1.
+Shows FC-1.
 """
 
 from __future__ import annotations

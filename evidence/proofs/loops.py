@@ -2,7 +2,7 @@
 
 A loop whose counter goes up to a constant says so itself. The others stand in loops.yaml, each with its bound and why.
 
-Requirement: FC-2.
+Shows FC-2.
 """
 
 from __future__ import annotations

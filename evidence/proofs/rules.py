@@ -1,7 +1,7 @@
 """MISRA C:2012 by cppcheck's addon and clang-tidy's bugprone and cert checks, on the flight code, against the list of
 deviations.
 
-Requirement: FC-3.
+Shows FC-3.
 """
 
 from __future__ import annotations

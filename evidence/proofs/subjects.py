@@ -1,6 +1,6 @@
 """What is proved: each subject is a program for Frama-C, its sources, and how closely it is followed.
 
-Requirement: FC-1.
+Shows FC-1.
 """
 
 from __future__ import annotations

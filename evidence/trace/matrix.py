@@ -1,10 +1,13 @@
 """The matrix of requirements: which code, tests, scenarios and proofs name each, as a page, a table and ReqIF.
 
-An id stands in a docstring or comment. A requirement needs code, and a test or a proof.
+Code says `Requirement: CT-1.`, evidence `Shows CT-1.`: in a docstring, or in the comment at the head of C and YAML.
+Any other mention counts for nothing, nor does a test that is always skipped. A requirement on what flies needs C, and
+each a test or a proof.
 """
 
 from __future__ import annotations
 
+import ast
 import csv
 import html
 import re
@@ -21,17 +24,17 @@ from . import reqif
 
 FILE = Path(__file__).with_name("requirements.yaml")
 OUT = ROOT / "out" / "trace"
-KINDS = {
-    "code": (
-        *("allocator", "controller", "estimator", "supervisor", "fmus/native", "evidence/proofs"),
-        *("orchestration/instances/record", "design/review"),
-    ),
-    "tests": ("tests",),
-    "scenarios": ("scenarios",),
-    "proofs": ("evidence/proofs",),
+_FLIGHT = ("allocator", "controller", "estimator", "supervisor", "fmus/native", "fmus/link/native")
+KINDS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "code in C": (_FLIGHT, ("*.c", "*.h")),
+    "code in Python": ((*_FLIGHT[:5], "orchestration/instances/record", "design/review"), ("*.py",)),
+    "tests": (("tests",), ("test_*.py",)),
+    "scenarios": (("scenarios",), ("*.yaml",)),
+    "proofs": (("evidence/proofs",), ("*.py",)),
 }
-"""Folders in which an id is evidence of this kind."""
-_NAMES = {"code": (".py", ".c", ".h"), "tests": (".py",), "scenarios": (".yaml",), "proofs": (".py",)}
+"""Folders and files in which an id is evidence of this kind."""
+_CODE = {"c": "code in C", "python": "code in Python"}
+_IDS = r"[A-Z]{2}-\d+(?:, [A-Z]{2}-\d+)*"
 
 
 @dataclass
@@ -41,13 +44,15 @@ class Requirement:
     id: str
     text: str
     source: str
+    code: str = "c"
+    """What has to name it: `c`, `python`, or `all` the flight code, which names it nowhere."""
     evidence: dict[str, list[str]] = field(default_factory=lambda: {kind: [] for kind in KINDS})
 
     @property
     def lacks(self) -> str:
         """What is missing; empty where nothing is."""
-        if not self.evidence["code"]:
-            return "code"
+        if self.code != "all" and not self.evidence[_CODE[self.code]]:
+            return _CODE[self.code]
         return "" if self.evidence["tests"] or self.evidence["proofs"] else "a test or a proof"
 
 
@@ -62,25 +67,53 @@ def requirements(file: Path = FILE) -> dict[str, Requirement]:
 
 def matrix(known: dict[str, Requirement], root: Path = ROOT) -> tuple[list[Requirement], list[str]]:
     """The requirements with their evidence, and `file: id` of each id that is no requirement's."""
-    prefixes = "|".join(sorted({id_.partition("-")[0] for id_ in known}))
-    named = re.compile(rf"\b(?:{prefixes})-\d+\b")
     strangers = []
-    for kind, path in _files(root):
-        for id_ in sorted(set(named.findall(path.read_text("utf-8")))):
+    for kind, (folders, names) in KINDS.items():
+        for path in _files(root, folders, names):
             name = path.relative_to(root).as_posix()
-            if id_ in known:
-                known[id_].evidence[kind].append(name)
-            elif f"{name}: {id_}" not in strangers:
-                strangers.append(f"{name}: {id_}")
+            for id_ in sorted(_named(kind, path)):
+                if id_ in known:
+                    known[id_].evidence[kind].append(name)
+                else:
+                    strangers.append(f"{name}: {id_}")
     return list(known.values()), strangers
 
 
-def _files(root: Path) -> Iterator[tuple[str, Path]]:
-    for kind, folders in KINDS.items():
-        for folder in folders:
-            for path in sorted((root / folder).rglob("*")):
-                if path.suffix in _NAMES[kind] and "trace" not in path.parts:
-                    yield kind, path
+def _files(root: Path, folders: Sequence[str], names: Sequence[str]) -> Iterator[Path]:
+    found = {path for folder in folders for name in names for path in (root / folder).rglob(name)}
+    yield from sorted(path for path in found if "trace" not in path.parts)
+
+
+def _named(kind: str, path: Path) -> set[str]:
+    """The ids that a file says it fulfils or shows."""
+    word = r"Requirements?:" if kind.startswith("code") else "Shows"
+    texts = _docstrings(path) if path.suffix == ".py" else _head(path)
+    said = re.compile(rf"(?:^|[ *]){word} ({_IDS})\.(?:\s|$)", re.MULTILINE)
+    return {id_ for text in texts for ids in said.findall(text) for id_ in ids.split(", ")}
+
+
+def _head(path: Path) -> Iterator[str]:
+    """The comment at the head of a file of C, or the lines of comment before a scenario's first key."""
+    text = path.read_text("utf-8")
+    head = r"/\*.*?\*/" if path.suffix in (".c", ".h") else r"(?:#[^\n]*\n)+"
+    if found := re.match(head, text, re.DOTALL):
+        yield found[0].replace("*/", "\n")
+
+
+def _docstrings(path: Path) -> Iterator[str]:
+    """Of the module, its classes and functions; in a file of tests only of those that are not always skipped."""
+    tree = ast.parse(path.read_text("utf-8"))
+    parts = [node for node in ast.walk(tree) if isinstance(node, (ast.ClassDef, ast.FunctionDef))]
+    if path.name.startswith("test_"):
+        parts = [node for node in parts if node.name.startswith("test_") and not any(map(_skips, node.decorator_list))]
+        if not parts or any(_skips(node.value) for node in tree.body if isinstance(node, ast.Assign)):
+            return
+    yield from (text for node in (tree, *parts) if (text := ast.get_docstring(node)))
+
+
+def _skips(node: ast.expr) -> bool:
+    """Whether it is pytest.mark.skip or xfail, with a reason or without, or a list with one."""
+    return bool(re.search(r"\bmark\.(?:skip|xfail)\b", ast.unparse(node)))
 
 
 def write(rows: Sequence[Requirement], folder: Path = OUT) -> Path:

@@ -1,4 +1,4 @@
-/* The reference of each mode, and how one mode gives way to another. */
+/* The reference of each mode, and how one mode gives way to another. Requirement: SV-1. */
 #include "modes.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* The mode safe: two directions in body axes. Requirement: SV-3. */
 #include "safe.h"
 
 static const double FIELD_TIME = 50.0; /* s, of the filter that gives the field's rate */

@@ -1,3 +1,4 @@
+/* A slew from rest to rest about one axis. Requirement: SV-2. */
 #include "slew.h"
 
 #include "jacobian.h"

@@ -1,4 +1,4 @@
-/* Tests: tests/native/test_flavours.py. */
+/* Requirements: AB-1, AB-2. Tests: tests/native/test_flavours.py. */
 #include "allocator_bounded.h"
 
 #include "allocator_bounded_guard.h"

@@ -1,3 +1,4 @@
+/* The least of a quadratic within a box, by its faces. Requirement: AB-1. */
 #include "box.h"
 
 #include <float.h>

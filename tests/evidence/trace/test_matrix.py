@@ -15,11 +15,18 @@ from orchestration import InputError
 
 
 def planted(tmp_path, **files):
+    """A project of files, such as `code_a`, `c_a`, `test_a`, `proof_a` and `flown_a`, and one requirement."""
+    folders = {"code": "allocator", "c": "allocator", "test": "tests", "proof": "evidence/proofs", "flown": "scenarios"}
     for name, text in files.items():
-        folder = tmp_path / {"code": "allocator", "test": "tests", "proof": "evidence/proofs"}[name.partition("_")[0]]
+        kind = name.partition("_")[0]
+        folder = tmp_path / folders[kind]
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / f"{name}.py").write_text(text)
+        (folder / f"{name}.{ {'c': 'c', 'flown': 'yaml'}.get(kind, 'py') }".replace(" ", "")).write_text(text)
     return matrix({"ZZ-1": Requirement("ZZ-1", "It turns.", "[8]")}, tmp_path)
+
+
+C = "/* A wheel. Requirement: ZZ-1. Tests: a.py. */\nint x;\n"
+SHOWN = "def test_it():\n    '''It turns.\n\n    Shows ZZ-1.\n    '''\n"
 
 
 def test_each_requirement_of_the_project_has_code_and_a_test_or_a_proof():
@@ -34,35 +41,53 @@ def test_a_planted_requirement_without_a_test_is_named(tmp_path, monkeypatch):
     file.write_text("- {id: FC-99, text: Nobody shows this., source: a dream}\n")
     monkeypatch.setattr("evidence.trace.matrix.requirements", lambda: requirements() | requirements(file))
     monkeypatch.setattr("evidence.trace.matrix.write", lambda rows: tmp_path)
-    with pytest.raises(InputError, match="FC-99: Nobody shows this. lacks code"):
+    with pytest.raises(InputError, match="FC-99: Nobody shows this. lacks code in C"):
         make()
 
 
 @pytest.mark.parametrize(
     ("files", "lacks"),
     [
-        ({"code_a": "'''ZZ-1'''"}, "a test or a proof"),
-        ({"test_a": "'''ZZ-1'''"}, "code"),
-        ({"code_a": "'''ZZ-1'''", "test_a": "'''Shows ZZ-1.'''"}, ""),
-        ({"code_a": "'''ZZ-1'''", "test_a": "'''Shows ZZ-10.'''"}, "a test or a proof"),
+        ({"c_a": C}, "a test or a proof"),
+        ({"test_a": SHOWN}, "code in C"),
+        ({"code_a": "'''Requirement: ZZ-1.'''", "test_a": SHOWN}, "code in C"),
+        ({"c_a": "int x; /* Requirement: ZZ-1. */\n", "test_a": SHOWN}, "code in C"),
+        ({"c_a": "/* ZZ-1 is to be written. */\n", "test_a": SHOWN}, "code in C"),
+        ({"c_a": "/* Much more.\n * Requirements: AB-1, ZZ-1. Tests: a.py. */\n", "test_a": SHOWN}, ""),
+        ({"c_a": C, "test_a": "# Shows ZZ-1.\n" + SHOWN.replace("Shows", "Not yet:")}, "a test or a proof"),
+        ({"c_a": C, "test_a": SHOWN.replace("ZZ-1", "ZZ-10")}, "a test or a proof"),
+        ({"c_a": C, "test_a": "@pytest.mark.skip\n" + SHOWN}, "a test or a proof"),
+        ({"c_a": C, "test_a": "@pytest.mark.xfail(reason='')\n" + SHOWN}, "a test or a proof"),
+        ({"c_a": C, "test_a": "pytestmark = [pytest.mark.skip]\n" + SHOWN}, "a test or a proof"),
+        ({"c_a": C, "test_a": "'''Shows ZZ-1.'''\n"}, "a test or a proof"),
+        ({"c_a": C, "test_a": SHOWN.replace("test_it", "helper")}, "a test or a proof"),
+        ({"c_a": C, "flown_a": "# Shows ZZ-1.\nname: a\n"}, "a test or a proof"),
+        ({"c_a": C, "test_a": "@pytest.mark.skipif(True)\n" + SHOWN}, ""),
+        ({"c_a": C, "proof_a": "'''Of all.\n\nShows ZZ-1.\n'''\n"}, ""),
     ],
 )
-def test_a_requirement_needs_code_and_a_test(tmp_path, files, lacks):
+def test_a_requirement_needs_c_and_a_test_or_a_proof_that_says_so(tmp_path, files, lacks):
     rows, _ = planted(tmp_path, **files)
     assert rows[0].lacks == lacks
 
 
-def test_evidence_of_no_requirement_is_named(tmp_path):
-    _, strangers = planted(tmp_path, test_a="'''Shows ZZ-7.'''")
-    assert strangers == ["tests/test_a.py: ZZ-7"]
+@pytest.mark.parametrize("stranger", ["ZZ-7", "QQ-1"])
+def test_evidence_of_no_requirement_is_named(tmp_path, stranger):
+    _, strangers = planted(tmp_path, test_a=SHOWN.replace("ZZ-1", stranger), flown_a=f"# Shows ZZ-1, {stranger}.\n")
+    assert strangers == [f"tests/test_a.py: {stranger}", f"scenarios/flown_a.yaml: {stranger}"]
 
 
 def test_the_table_and_the_page_show_each_requirement_with_its_files(tmp_path):
-    rows, _ = planted(tmp_path, code_a="'''ZZ-1'''", test_a="'''ZZ-1'''")
+    rows, _ = planted(tmp_path, c_a=C, test_a=SHOWN, flown_a="# A flight.\n# Shows ZZ-1.\n")
     page = write(rows, tmp_path / "out")
     table = list(csv.DictReader((tmp_path / "out" / "trace.csv").open(encoding="utf-8")))
-    assert (table[0]["code"], table[0]["tests"], table[0]["lacks"]) == ("allocator/code_a.py", "tests/test_a.py", "")
-    assert "<td>allocator/code_a.py</td>" in page.read_text("utf-8")
+    assert table[0]["code in C"] == "allocator/c_a.c"
+    assert (table[0]["tests"], table[0]["scenarios"], table[0]["lacks"]) == (
+        "tests/test_a.py",
+        "scenarios/flown_a.yaml",
+        "",
+    )
+    assert "<td>allocator/c_a.c</td>" in page.read_text("utf-8")
 
 
 def test_a_tool_of_requirements_reads_the_matrix_in_reqif(tmp_path):
