@@ -50,9 +50,9 @@ def test_of_two_functions_with_one_name_both_have_to_be_entered(monkeypatch):
         assert ("`take`" in rows(FLIGHT, [(ESTIMATOR, result(*entered))])[0][4]) == missed
 
 
-@pytest.mark.parametrize("part", FLIGHT)
-def test_each_block_of_the_flight_code_has_a_program(part):
-    assert any(s.name == part and s.span == "any" for s in SUBJECTS)
+def test_each_block_of_the_flight_code_has_a_program_but_the_one_that_the_page_names():
+    """Frama-C 25 itself fails on the planner of a set of wheels."""
+    assert set(FLIGHT) - {s.name for s in SUBJECTS if s.span == "any"} == {"controller_planned_wheels"}
 
 
 def test_a_contract_that_stands_in_for_a_body_is_proved_by_another_program():
