@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from pathlib import Path
 
+from fmus.block import Block
+from fmus.kit import flight
 from orchestration import InputError
 from orchestration.cli.console import say
 
@@ -22,7 +25,7 @@ from .harness import STEP_MAX, TIME_MAX
 from .kept import FOLDER, result_of
 from .loops import rows as rows_of_loops
 from .rules import deviations
-from .subjects import HERE, SUBJECTS, Subject
+from .subjects import HERE, REACHED, SUBJECTS, Subject
 
 PAGE = ROOT / "docs" / "evidence" / "proofs.md"
 
@@ -82,7 +85,18 @@ def make(names: Sequence[str]) -> Path | None:
     """Proves, and writes the page where all was proved. `contracts` is one of the names."""
     results = [] if tuple(names) == ("contracts",) else prove([name for name in names if name != "contracts"])
     contracts = prove_contracts() if not names or "contracts" in names else []
-    return None if names else page_of(results, contracts)
+    if names:
+        return None
+    keep(results)
+    return page_of(results, contracts)
+
+
+def keep(results: Sequence[tuple[Subject, Result]]) -> None:
+    """Writes how much each program reached, and the digest of the C of each block that was proved."""
+    REACHED.write_text("".join(f"{s.title!r}: {r.statements[0]}\n" for s, r in results), "utf-8")
+    blocks = [Block.named(s.name) for s, _ in results if s.span == "any"]
+    digests = {b.name: flight.digest_of(flight.sources(b.interface, b.folder)) for b in blocks}
+    (ROOT / flight.PROVED).write_text(json.dumps(digests, indent=1, sort_keys=True) + "\n", "utf-8")
 
 
 def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple[Contract, Result]]) -> Path:

@@ -24,7 +24,10 @@ from .fill import filled
 from .vectors import header
 
 SUMS = "SHA256SUMS"
+NOT_PROVED = "The reports are not of this C"
 REPORTS = ("docs/evidence/proofs.md", "evidence/proofs/arguments.yaml", "evidence/proofs/deviations.yaml")
+PROVED = "docs/evidence/proved.json"
+"""The digest of the C of each block, when all of it was proved."""
 _LICENCE = [{"license": {"id": "BSD-3-Clause"}}]
 
 
@@ -34,7 +37,7 @@ def write(interface: Interface, block: Path, folder: Path) -> list[Path]:
     Raises InUse where it would overwrite what is not its own, CompilerError, InterfaceError.
     """
     old = _refuse_edited(folder)
-    files = _sources(interface, block)
+    files = sources(interface, block)
     c_files = [name for name in files if name.startswith("src/") and name.endswith(".c")]
     listed = {
         "version": version_of("attitude-cosim") or "0",
@@ -55,6 +58,7 @@ def write(interface: Interface, block: Path, folder: Path) -> list[Path]:
     files["LICENSE"] = places.shared("LICENSE").read_bytes()
     reports = [report for name in REPORTS if (report := places.shared(name)).exists()]
     files |= {f"reports/{report.name}": report.read_bytes() for report in reports}
+    files["reports/proved.txt"] = _proved(interface, digest_of(files)).encode()
     files["bom.cdx.json"] = _bill(interface, block, listed["version"], files)
     sums = "".join(f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in sorted(files.items()))
     digest = hashlib.sha256(sums.encode()).hexdigest()
@@ -65,7 +69,26 @@ def write(interface: Interface, block: Path, folder: Path) -> list[Path]:
     return [put(folder / name, data) for name, data in files.items()]
 
 
-def _sources(interface: Interface, block: Path) -> dict[str, bytes]:
+def digest_of(files: dict[str, bytes]) -> str:
+    """Of the C among these files, by their names."""
+    lines = (f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in sorted(files.items()))
+    c = (line for line in lines if line.endswith((".c\n", ".h\n")) and "  vectors/" not in line)
+    return hashlib.sha256("".join(c).encode()).hexdigest()
+
+
+def _proved(interface: Interface, digest: str) -> str:
+    """Whether the reports speak of C with this digest."""
+    known: dict[str, str] = json.loads(path.read_text("utf-8")) if (path := places.shared(PROVED)).exists() else {}
+    proved = known.get(interface.name)
+    own = f"SHA-256 of the list of the C in src/ and portable/: {digest}\n"
+    if proved == digest:
+        return f"The reports are of this C.\n{own}"
+    if proved is None:
+        return f"{NOT_PROVED}: the proofs have no block {interface.name}.\n{own}"
+    return f"{NOT_PROVED}: the C that was proved is another.\n{own}Of the C that was proved: {proved}\n"
+
+
+def sources(interface: Interface, block: Path) -> dict[str, bytes]:
     """The block's C in src/, without what is the FMI shell's, and the elementary functions in portable/."""
     with tempfile.TemporaryDirectory() as generated:
         _, (_, *folders) = lay_out(interface, block, "", Path(generated))

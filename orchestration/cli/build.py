@@ -16,7 +16,7 @@ from fmus.native.toolchain import CompilerError
 from ..errors import InputError, hint, writing
 from ..fmu.archive import shown
 from ..results.place import check_writable
-from .console import say
+from .console import notes, say
 from .help import examples
 from .options import FLAVOUR, out_folder
 from .paths import PATH
@@ -76,3 +76,6 @@ def _write_sources(block: str, folder: Path) -> None:
         raise InputError(str(error)) from None
     digest = hashlib.sha256((folder / flight.SUMS).read_bytes()).hexdigest()
     say(f"{shown(folder)}  {len(files)} files; SHA-256 of {flight.SUMS}: {digest}")
+    proved = (folder / "reports" / "proved.txt").read_text("utf-8")
+    if proved.startswith(flight.NOT_PROVED):
+        notes([proved.splitlines()[0]])

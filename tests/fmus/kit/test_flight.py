@@ -13,6 +13,7 @@ import pytest
 from cyclonedx.schema import SchemaVersion
 from cyclonedx.validation.json import JsonStrictValidator
 
+from fmus import places
 from fmus.block import Block
 from fmus.build import ensure
 from fmus.interface import BLOCKS
@@ -107,7 +108,32 @@ def test_the_bill_of_materials_is_cyclonedx_and_lists_every_file(tmp_path: Path)
     assert files - names == {"README.md", "bom.cdx.json", "SHA256SUMS"}
     assert "ppigrf" in names  # from which the field's coefficients come
     assert (folder / "reports" / "proofs.md").read_text().startswith("<!--")
-    assert {path.name for path in (folder / "reports").iterdir()} == {"proofs.md", "arguments.yaml", "deviations.yaml"}
+    assert {path.name for path in (folder / "reports").iterdir()} == {
+        *("proofs.md", "arguments.yaml", "deviations.yaml", "proved.txt")
+    }
+
+
+@pytest.mark.parametrize("block", ["allocator", "allocator_bounded", "controller", "supervisor", "estimator"])
+def test_the_reports_are_of_the_c_that_was_proved(tmp_path: Path, block: str) -> None:
+    assert (written(block, tmp_path / block) / "reports" / "proved.txt").read_text().startswith("The reports are of")
+
+
+@pytest.mark.parametrize(
+    ("proved", "said"),
+    [({}, "not of this C: the proofs have no block allocator"), ({"allocator": "0"}, "that was proved is another")],
+)
+def test_reports_of_other_c_say_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, proved: dict, said: str) -> None:
+    (tmp_path / "proved.json").write_text(json.dumps(proved))
+    shared = places.shared
+    monkeypatch.setattr(places, "shared", lambda n: tmp_path / "proved.json" if n == flight.PROVED else shared(n))
+    assert said in (written("allocator", tmp_path / "allocator") / "reports" / "proved.txt").read_text()
+
+
+def test_the_digest_is_of_all_c_and_of_nothing_else() -> None:
+    files = {"src/a.c": b"1", "portable/b.h": b"2", "vectors/runner.c": b"3", "README.md": b"4"}
+    digest = flight.digest_of(files)
+    assert digest == flight.digest_of({**files, "vectors/runner.c": b"5", "README.md": b"6"})
+    assert len({digest, flight.digest_of(files | {"src/a.c": b"2"}), flight.digest_of(files | {"src/c.c": b""})}) == 3
 
 
 def test_sha256sum_agrees_and_the_same_sources_give_the_same_folder(tmp_path: Path) -> None:
