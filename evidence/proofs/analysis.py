@@ -9,7 +9,7 @@ import csv
 import re
 import subprocess
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,6 +52,8 @@ class Result:
     seconds: float
     functions: tuple[str, ...] = ()
     """Those that the program enters, by Frama-C's names: `add_3` is that of the fifth file that has an `add`."""
+    rounds: tuple[tuple[str, bool], ...] = ()
+    """Of each loop whose rounds are checked, `file: head` and whether its bound is proved."""
 
 
 def analyse(
@@ -62,11 +64,12 @@ def analyse(
     define: Sequence[str],
     prelude: Path,
     numbers_only: bool,
+    loops: Mapping[tuple[str, int], str],
 ) -> Result:
     """Eva on a program with these sources, in the folder of the program; its whole output is left in eva.log there.
 
     `numbers_only`: only what concerns numbers counts, since the rest is proved with more numbers elsewhere.
-    Raises InputError where Frama-C is missing or fails.
+    `loops`: those whose rounds the C checks, by file and line. Raises InputError where Frama-C is missing or fails.
     """
     folder, began = program.parent, time.monotonic()
     table, log = folder / "properties.csv", folder / "eva.log"
@@ -80,10 +83,13 @@ def analyse(
     if done.returncode or not table.exists():
         raise InputError(f"{program}: Frama-C failed; its words are in {log}")
     rows = [row for row in csv.DictReader(table.open(encoding="utf-8"), delimiter="\t") if _counts(row, numbers_only)]
+    checks = [(_alarm(row), row["status"]) for row in rows if row["property kind"] == "user check"]
+    rows = [row for row in rows if row["property kind"] != "user check"]
+    rounds = tuple(sorted({(loops[a.file, a.line], status in _PROVED) for a, status in checks if status != "Dead"}))
     alarms = tuple(sorted({_alarm(row) for row in rows if row["status"] not in _PROVED}))
     valid = sum(row["status"] == "Valid" for row in rows)
     entered = tuple(re.findall(r"^  (\w+): [1-9]\d* stmts out of", text, re.MULTILINE))
-    return Result(alarms, valid, _reached(text), time.monotonic() - began, entered)
+    return Result(alarms, valid, _reached(text), time.monotonic() - began, entered, rounds)
 
 
 def _counts(row: dict[str, str], numbers_only: bool) -> bool:

@@ -19,7 +19,7 @@ from orchestration import InputError
 
 from .analysis import Alarm
 from .coverage import FLIGHT, defined, parts, without_comments
-from .loops import closing
+from .rounds import closing
 
 FILE = Path(__file__).with_name("arguments.yaml")
 

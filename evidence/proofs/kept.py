@@ -28,6 +28,7 @@ def result_of(subject: Subject) -> Result:
         if kept.pop("digest") == digest:
             alarms = tuple(Alarm(**a) for a in kept.pop("alarms"))
             kept |= {name: tuple(kept[name]) for name in ("statements", "functions")}
+            kept["rounds"] = tuple((loop, holds) for loop, holds in kept["rounds"])
             return Result(alarms, **kept)
     result = subject.prove(folder)
     path.write_text(json.dumps({"digest": digest, **asdict(result)}, indent=1), "utf-8")
@@ -41,7 +42,12 @@ def _digest(subject: Subject) -> str:
         digest.update("".join(ports_header(block.interface).values()).encode())
         if subject.span:
             digest.update(harness(block.interface, subject.span).encode())
-    own = [HERE / "prelude.h", *([] if subject.span else [HERE / f"{subject.name}.c"])]
+    own = [
+        HERE / "prelude.h",
+        HERE / "loops.yaml",
+        HERE / "rounds.py",
+        *([] if subject.span else [HERE / f"{subject.name}.c"]),
+    ]
     for path in [*_sources(subject), *own]:
         digest.update(path.read_bytes())
     return digest.hexdigest()

@@ -8,18 +8,16 @@ Shows FC-2.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-
-import yaml
 
 from fmus.places import PACKAGES
 from orchestration import InputError
 
 from .coverage import parts, without_comments
+from .rounds import FILE, bounds, closing
 
-FILE = Path(__file__).with_name("loops.yaml")
 _CONSTANT = r"-?[A-Z_0-9]+(?: [-+*] [A-Z_0-9]+)*"
 _HEAD = re.compile(rf"for \((?:int|int32_t|size_t|uint32_t) (\w+) = {_CONSTANT}; (.*); (.*)\)")
 
@@ -57,34 +55,15 @@ def loops_of(path: Path) -> Iterator[Loop]:
             raise InputError(f"{path}: {text[found.start() : end]}: expected a body in braces")
 
 
-def closing(text: str, at: int, pair: str) -> int:
-    depth = 0
-    for i in range(at, len(text)):
-        depth += (text[i] == pair[0]) - (text[i] == pair[1])
-        if depth == 0:
-            return i
-    raise InputError(f"no {pair[1]} closes {text[at : at + 40]!r}")
-
-
-def bounds() -> dict[tuple[str, str], int]:
-    """The most rounds of each loop of loops.yaml, by file and head. Raises InputError where one stands twice."""
-    known: dict[tuple[str, str], int] = {}
-    for entry in yaml.safe_load(FILE.read_text("utf-8")):
-        for head in entry["loops"]:
-            if (place := (entry["file"], head)) in known:
-                raise InputError(f"{FILE.name}: {entry['file']}: {head} stands twice")
-            known[place] = entry["most"]
-    return known
-
-
-def rows(blocks: Sequence[str]) -> list[tuple[str, ...]]:
-    """Of each part of the flight code: its loops, those that count to a constant, the others, and the most of these.
+def rows(blocks: Sequence[str], proved: Collection[str] = ()) -> list[tuple[str, ...]]:
+    """Of each part of the flight code: its loops, those that count to a constant, those whose bound is `proved` (as
+    `file: head`), those with a reason, and the most rounds of one of the last two.
 
     Raises InputError where a loop has no bound, or a bound no loop.
     """
     known, met, table = bounds(), set[tuple[str, str]](), list[tuple[str, ...]]()
     for part, files in parts(blocks)[:-1]:
-        counted, others = 0, []
+        counted, by_proof, others = 0, 0, []
         for path in files:
             name = path.relative_to(PACKAGES).as_posix()
             for loop in loops_of(path):
@@ -93,10 +72,12 @@ def rows(blocks: Sequence[str]) -> list[tuple[str, ...]]:
                 elif (place := (name, loop.head)) in known:
                     met.add(place)
                     others.append(known[place])
+                    by_proof += f"{name}: {loop.head}" in proved
                 else:
                     raise InputError(f"{name}: {loop.head}: no constant bounds it, and {FILE.name} has none")
         title = f"`{part}`" if part in blocks else part
-        table.append((title, str(counted + len(others)), str(counted), str(len(others)), str(max(others, default="-"))))
+        shares = (counted + len(others), counted, by_proof, len(others) - by_proof, max(others, default="-"))
+        table.append((title, *map(str, shares)))
     if idle := set(known) - met:
         raise InputError(f"{FILE.name}: no loop is {': '.join(sorted(idle)[0])}; remedy: remove it")
     return table

@@ -24,6 +24,7 @@ from .faults import faults
 from .harness import STEP_MAX, TIME_MAX
 from .kept import FOLDER, result_of
 from .loops import rows as rows_of_loops
+from .rounds import proved
 from .rules import deviations
 from .subjects import HERE, REACHED, SUBJECTS, Subject
 
@@ -114,6 +115,7 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
         )
         rows.append((f"`{subject.name}`", *cells, f"{result.seconds:.0f} s"))
     blocks, finite = (list(dict.fromkeys(s.name for s, _ in results if s.span == span)) for span in ("any", "limits"))
+    rounds = proved(r.rounds for _, r in results)
     missing = [name for name in FLIGHT if name not in blocks]
     coverage = rows_of_coverage(FLIGHT, results)
     listed = [places for _, _, places in deviations()]
@@ -130,7 +132,8 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
                 (f"`{c.file}`", c.says, f"{r.proved} of {r.statements[1]}", f"{r.seconds:.0f} s") for c, r in contracts
             ],
             stacks=rows_of_stack(FLIGHT),
-            loops=rows_of_loops(FLIGHT),
+            loops=rows_of_loops(FLIGHT, {loop for loop, holds in rounds.items() if holds}),
+            rounds=f"{sum(rounds.values())} of {len(rounds)}",
             coverage=coverage,
             findings=sum(sum(places.values()) for places in listed),
             broken=len(listed),

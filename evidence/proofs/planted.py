@@ -17,9 +17,8 @@ from .analysis import Alarm
 from .argued import arguments, unproved
 from .contracts import CONTRACTS, Contract
 from .faults import Fault, faults
+from .rounds import FLIGHT_CODE
 from .subjects import SUBJECTS, Subject
-
-FLIGHT_CODE = ("allocator", "controller", "estimator", "supervisor", "fmus")
 
 
 def found(fault: Fault, folder: Path) -> list[Alarm]:

@@ -20,6 +20,7 @@ from fmus.places import PACKAGES
 from .analysis import Alarm, Result, analyse
 from .contracts import BY_WP
 from .harness import Range, harness
+from .rounds import copy
 
 HERE = Path(__file__).parent
 REACHED = HERE / "reached.yaml"
@@ -83,9 +84,11 @@ class Subject:
                 sources += [*(path for native in own for path in sorted(native.rglob("*.c"))), ELEMENTARY]
                 program = folder / "harness.c"
                 program.write_text(harness(block.interface, self.span), "utf-8")
+        loops = copy(root, folder / "packages")
+        root = folder / "packages"
         sources, headers = ([root / p.relative_to(PACKAGES) for p in paths] for paths in (sources, headers))
         define, prelude = self.definitions(), HERE / "prelude.h"
-        result = analyse(program, sources, headers, self.words(), define, prelude, self.span == "limits")
+        result = analyse(program, sources, headers, self.words(), define, prelude, self.span == "limits", loops)
         alarms = (alarm for alarm in result.alarms if not self.is_proved_elsewhere(alarm))
         return replace(result, alarms=(*alarms, *self.unreached(result)))
 

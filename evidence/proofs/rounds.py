@@ -1,0 +1,101 @@
+"""How often a loop that counts goes round: Eva proves the bound of loops.yaml, as a check before the loop.
+
+The check is written into a copy of the C, in the line of the loop, so that all places stay; it assumes nothing.
+
+Shows FC-2.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+
+import yaml
+
+from orchestration import InputError
+
+FILE = Path(__file__).with_name("loops.yaml")
+FLIGHT_CODE = ("allocator", "controller", "estimator", "supervisor", "fmus")
+_NUMBER = r"(?:(?! && )[\w.()&*+ -]|->)+"
+_UP = re.compile(rf"for \((?:int|int32_t|size_t) (\w+) = ({_NUMBER}); \1 (<=?) ({_NUMBER})(?: && [^;]+)?; \+\+\1\)")
+_DOWN = re.compile(rf"for \((?:int|int32_t) (\w+) = ({_NUMBER}); \1 (>=?) ({_NUMBER})(?: && [^;]+)?; --\1\)")
+
+
+def closing(text: str, at: int, pair: str) -> int:
+    depth = 0
+    for i in range(at, len(text)):
+        depth += (text[i] == pair[0]) - (text[i] == pair[1])
+        if depth == 0:
+            return i
+    raise InputError(f"no {pair[1]} closes {text[at : at + 40]!r}")
+
+
+def bounds() -> dict[tuple[str, str], int]:
+    """The most rounds of each loop of loops.yaml, by file and head. Raises InputError where one stands twice."""
+    known: dict[tuple[str, str], int] = {}
+    for entry in yaml.safe_load(FILE.read_text("utf-8")):
+        for head in entry["loops"]:
+            if (place := (entry["file"], head)) in known:
+                raise InputError(f"{FILE.name}: {entry['file']}: {head} stands twice")
+            known[place] = entry["most"]
+    return known
+
+
+def counts(head: str, body: str) -> str:
+    """How often a loop goes round at most, as a term of C; empty where its head does not say, or its body counts."""
+    if found := _UP.fullmatch(head):
+        i, first, sign, end = found.groups()
+    elif found := _DOWN.fullmatch(head):
+        i, end, sign, first = found.groups()
+    else:
+        return ""
+    for name in (i, *re.findall(r"\w+", end)[-1:], *re.findall(r"\w+", first)[-1:]):
+        if re.search(rf"(?:\+\+|--)(?:\w+(?:->|\.))*{name}\b|\b{name} *(?:\+\+|--|[-+*/%]?=[^=])|&{name}\b", body):
+            return ""
+    return f"({end}) - ({first})" + (" + 1" if "=" in sign else "")
+
+
+def marked(text: str, most: dict[str, int]) -> tuple[str, dict[int, str]]:
+    """The text with a check before each loop that counts, and the head of each such loop by its line.
+
+    `most` are the bounds of the file's loops, by their heads.
+    """
+    heads: dict[int, str] = {}
+    bare = re.sub(r"/\*.*?\*/|//[^\n]*", lambda m: re.sub(r"[^\n]", " ", m[0]), text, flags=re.DOTALL)
+    for found in reversed(list(re.finditer(r"\bfor \(", bare))):
+        end = closing(bare, found.end() - 1, "()") + 1
+        head = " ".join(bare[found.start() : end].split())
+        begin = bare.find("{", end)
+        if head in most and (term := counts(head, bare[begin : closing(bare, begin, "{}")])):
+            note = re.search(r"(?:/\*@ loop(?:(?!/\*).)*\*/|//@ loop[^\n]*)\s*\Z", text[: found.start()], re.DOTALL)
+            at = note.start() if note else found.start()
+            heads[bare.count("\n", 0, at) + 1] = head
+            text = f"{text[:at]}/*@ check {term} <= {most[head]}; */ {text[at:]}"
+    return text, heads
+
+
+def copy(root: Path, into: Path) -> dict[tuple[str, int], str]:
+    """Copies the C of `root` with the checks; returns `file: head` of each checked loop by file and line."""
+    shutil.rmtree(into, ignore_errors=True)
+    places: dict[tuple[str, int], str] = {}
+    known = bounds()
+    for package in FLIGHT_CODE:
+        for path in (p for p in (root / package).rglob("*") if p.suffix in (".c", ".h")):
+            name = path.relative_to(root).as_posix()
+            most = {head: n for (file, head), n in known.items() if file == name}
+            text, heads = marked(path.read_text("utf-8"), most)
+            (into / name).parent.mkdir(parents=True, exist_ok=True)
+            (into / name).write_text(text, "utf-8")
+            places |= {(path.name, line): f"{name}: {head}" for line, head in heads.items()}
+    return places
+
+
+def proved(results: Iterable[tuple[tuple[str, bool], ...]]) -> dict[str, bool]:
+    """Of each checked loop whether it is proved, in each program that has it."""
+    found: dict[str, bool] = {}
+    for rounds in results:
+        for loop, holds in rounds:
+            found[loop] = found.get(loop, True) and holds
+    return found

@@ -1,0 +1,64 @@
+"""Rounds of loops: what a loop that counts is checked for, and with Frama-C that a wrong bound is not proved.
+
+Shows FC-2.
+"""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+
+import pytest
+
+from evidence.proofs import rounds
+from evidence.proofs.rounds import counts, marked, proved
+from evidence.proofs.subjects import SUBJECTS
+
+
+@pytest.mark.parametrize(
+    ("head", "body", "term"),
+    [
+        ("for (int i = 0; i < n; ++i)", "{ x += i; }", "(n) - (0)"),
+        ("for (int32_t k = first + 1; k <= bank->count; ++k)", "{ }", "(bank->count) - (first + 1) + 1"),
+        ("for (int i = n - 1; i >= 0; --i)", "{ }", "(n - 1) - (0) + 1"),
+        ("for (int i = 0; i < WHEELS(&law->p) && good; ++i)", "{ }", "(WHEELS(&law->p)) - (0)"),
+        ("for (int i = 0; i < n; ++i)", "{ --i; }", ""),
+        ("for (int i = 0; i < n; ++i)", "{ n = 9; }", ""),
+        ("for (int i = 0; i < bank->count; ++i)", "{ ++bank->count; }", ""),
+        ("for (int i = 0; i < bank->count; ++i)", "{ bank->count += 1; }", ""),
+        ("for (int i = 0; i < n || more; ++i)", "{ }", ""),
+        ("for (int i = 0; i < n; i += m)", "{ }", ""),
+        ("for (;;)", "{ }", ""),
+    ],
+)
+def test_how_often_a_loop_goes_round(head, body, term):
+    assert counts(head, body) == term
+
+
+def test_the_check_stands_in_the_line_of_its_loop_and_before_what_the_loop_says_of_itself():
+    text = (
+        "/* for (int i = 0; i < n; ++i) */\nvoid f(int n)\n{\n    for (int i = 0; i < n; ++i) {\n    }\n"
+        "    //@ loop assigns i;\n    for (int j = 0; j < n; ++j) {\n    }\n}\n"
+    )
+    most = {"for (int i = 0; i < n; ++i)": 3, "for (int j = 0; j < n; ++j)": 4}
+    new, heads = marked(text, most)
+    lines = new.splitlines()
+    assert heads == {4: "for (int i = 0; i < n; ++i)", 6: "for (int j = 0; j < n; ++j)"}
+    assert "/*@ check (n) - (0) <= 3; */ for (int i" in lines[3]
+    assert "/*@ check (n) - (0) <= 4; */ //@ loop assigns i;" in lines[5]
+    assert len(lines) == len(text.splitlines())
+
+
+def test_a_loop_is_proved_only_where_every_program_that_has_it_proves_it():
+    assert proved([(("a", True), ("b", True)), (("b", False),)]) == {"a": True, "b": False}
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(shutil.which("frama-c") is None, reason="frama-c is not installed (Debian: frama-c-base)")
+def test_a_bound_that_is_too_low_is_not_proved(tmp_path, monkeypatch):
+    subject = replace(next(s for s in SUBJECTS if s.name == "field"))
+    known = rounds.bounds()
+    monkeypatch.setattr(rounds, "bounds", lambda: {**known, **{k: 1 for k in known if "onboard_field" in k[0]}})
+    found = dict(subject.prove(tmp_path).rounds)
+    assert found
+    assert not all(found.values())
