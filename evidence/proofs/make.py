@@ -52,6 +52,9 @@ def prove(names: Sequence[str]) -> list[tuple[Subject, Result]]:
         )
         for alarm in open_ones:
             say(f"  {alarm}")
+        for loop in (loop for loop, holds in result.rounds if not holds):
+            say(f"  {loop}: its bound in loops.yaml is not proved")
+            left += 1
     if not names:
         followed_elsewhere(results)
     if left:

@@ -10,9 +10,11 @@ from dataclasses import replace
 
 import pytest
 
-from evidence.proofs import rounds
+from evidence.proofs import make, rounds
+from evidence.proofs.analysis import Result
 from evidence.proofs.rounds import counts, marked, proved
 from evidence.proofs.subjects import SUBJECTS
+from orchestration import InputError
 
 
 @pytest.mark.parametrize(
@@ -51,6 +53,13 @@ def test_the_check_stands_in_the_line_of_its_loop_and_before_what_the_loop_says_
 
 def test_a_loop_is_proved_only_where_every_program_that_has_it_proves_it():
     assert proved([(("a", True), ("b", True)), (("b", False),)]) == {"a": True, "b": False}
+
+
+def test_a_bound_that_is_not_proved_ends_the_proof(monkeypatch):
+    loop = ("a.c: for (int i = 0; i < n; ++i)", False)
+    monkeypatch.setattr(make, "side_by_side", lambda f, of: [Result((), 1, (1, 1), 0.0, (), (loop,)) for _ in of])
+    with pytest.raises(InputError, match="1 properties are neither proved nor argued for"):
+        make.prove(["field"])
 
 
 @pytest.mark.thorough
