@@ -44,16 +44,16 @@ class Argument:
 
     def digest(self, root: Path = PACKAGES) -> str:
         """Of the C that it speaks of, comments and spaces apart. Raises InputError where a function is not there."""
-        texts = []
+        texts: dict[str, str] = {}
         for place in self.rests_on:
             if place == "callers":
-                texts += _callers(root, self.function)
+                texts |= _callers(root, self.function)
                 continue
             file, _, function = place.partition(": ")
-            texts.append(_functions(root / file).get(function, ""))
-            if not texts[-1]:
+            if function not in _functions(root / file):
                 raise InputError(f"{FILE.name}: {self.file}: {self.function}: {file} has no function {function!r}")
-        return hashlib.sha256("\n".join(texts).encode()).hexdigest()[:12]
+            texts |= _closure(root, file, function)
+        return hashlib.sha256("\n".join(f"{k} {v}" for k, v in sorted(texts.items())).encode()).hexdigest()[:12]
 
 
 def arguments() -> list[Argument]:
@@ -80,18 +80,49 @@ def unproved(alarms: Iterable[Alarm], given: Sequence[Argument], root: Path = PA
 
 @functools.cache
 def _functions(path: Path) -> dict[str, str]:
-    """The text of each function of a file of C, without comments, in one line."""
-    text, found = without_comments(path), {}
+    """The text of each function of a file of C, and with the name "" what stands outside of them; no comments."""
+    text = without_comments(path)
+    found, outside = {}, text
     for name in defined(path):
         places = [m.start() for m in re.finditer(rf"^[A-Za-z].*?\b{name}\([^;{{}}]*?\)\n\{{", text, re.MULTILINE)]
         whole = [text[at : closing(text, text.index("{\n", at), "{}") + 1] for at in places]
+        for part in whole:
+            outside = outside.replace(part, "")
         found[name] = " ".join(" ".join(whole).split())
+    return {**found, "": " ".join(outside.split())}
+
+
+@functools.cache
+def _shared(root: Path) -> dict[str, str]:
+    """The files of the shared headers and elementary functions, by the functions that they define."""
+    files = [p for _, of_part in parts(())[:2] for p in of_part]
+    names = [path.relative_to(PACKAGES).as_posix() for path in files]
+    return {function: name for name in names for function in _functions(root / name) if function}
+
+
+def _closure(root: Path, file: str, function: str) -> dict[str, str]:
+    """The function, what it calls in its file and in the shared ones, and what stands outside of functions there."""
+    found: dict[str, str] = {}
+    left = [(file, function)]
+    while left:
+        name, one = left.pop()
+        if f"{name}: {one}" in found:
+            continue
+        of = _functions(root / name)
+        found |= {f"{name}: {one}": of[one], f"{name}: ": of[""]}
+        for called in set(re.findall(r"\b(\w+)\(", of[one])) - {one}:
+            place = name if called in of else _shared(root).get(called)
+            left += [(place, called)] if place else []
     return found
 
 
-def _callers(root: Path, function: str) -> list[str]:
-    """The functions of the flight code that call one of this name."""
-    files = [root / path.relative_to(PACKAGES) for _, of_part in parts(FLIGHT) for path in of_part]
-    texts = [_functions(path) for path in files]
-    call = re.compile(rf"\b{function}\(")
-    return [text for of in texts for name, text in sorted(of.items()) if name != function and call.search(text)]
+def _callers(root: Path, function: str) -> dict[str, str]:
+    """The functions of the flight code that call one of this name, each with what stands outside of functions there."""
+    call, found = re.compile(rf"\b{function}\("), dict[str, str]()
+    for path in (path for _, of_part in parts(FLIGHT) for path in of_part):
+        name = path.relative_to(PACKAGES).as_posix()
+        of = _functions(root / name)
+        for one, text in of.items():
+            if one not in ("", function) and call.search(text):
+                found |= {f"{name}: {one}": text, f"{name}: ": of[""]}
+    return found

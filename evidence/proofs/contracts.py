@@ -22,6 +22,7 @@ from orchestration import InputError
 
 from ..tools import tool
 from .analysis import MACHINE, Alarm, Result
+from .rounds import refuse_assumptions
 
 PRELUDE = Path(__file__).with_name("prelude.h")
 
@@ -44,6 +45,7 @@ class Contract:
         `root`: a copy of the packages, with changes. Raises InputError where a program is missing or fails.
         """
         folder.mkdir(parents=True, exist_ok=True)
+        refuse_assumptions(root)
         began, block, config = time.monotonic(), Block.named(self.block), folder / "why3.conf"
         tool("z3")
         subprocess.run([tool("why3"), "config", "detect", "-C", str(config)], capture_output=True, check=True)
@@ -97,4 +99,10 @@ CONTRACTS = (
         "commands pass only where each is finite and within its limit",
     ),
 )
-BY_WP = tuple(dict.fromkeys(name for contract in CONTRACTS for name in contract.functions))
+BY_WP = frozenset(
+    (file, name)
+    for contract in CONTRACTS
+    for name in contract.functions
+    for file in (Path(contract.file).name, "finite.h", f"{Block.named(contract.block).interface.code}_guard.h")
+)
+"""File and function of what is proved here and not by Eva."""

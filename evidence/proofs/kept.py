@@ -36,7 +36,7 @@ def result_of(subject: Subject) -> Result:
 
 
 def _digest(subject: Subject) -> str:
-    how = f"{subject.span} {subject.definitions()} {subject.words()} {FLAGS} {BY_WP}"
+    how = f"{subject.span} {subject.definitions()} {subject.words()} {FLAGS} {sorted(BY_WP)}"
     digest = hashlib.sha256(f"{how} {reached().get(subject.title)}".encode())
     if (block := subject.block) is not None:
         digest.update("".join(ports_header(block.interface).values()).encode())

@@ -16,7 +16,7 @@ from fmus.places import PACKAGES
 from orchestration import InputError
 
 from .coverage import parts, without_comments
-from .rounds import FILE, bounds, closing
+from .rounds import CHANGES, FILE, bounds, closing, has_or
 
 _CONSTANT = r"-?[A-Z_0-9]+(?: [-+*] [A-Z_0-9]+)*"
 _HEAD = re.compile(rf"for \((?:int|int32_t|size_t|uint32_t) (\w+) = {_CONSTANT}; (.*); (.*)\)")
@@ -38,9 +38,10 @@ class Loop:
         i, condition, step = found.groups()
         ends = re.compile(rf"{i} <=? (?:{_CONSTANT}|COUNT\(\w+\)|sizeof (\w+) / sizeof \1\[0\])")
         steps = [part for part in step.split(", ") if re.fullmatch(rf"\+\+{i}|{i} \+= \d", part)]
-        changed = rf"(?:\+\+|--){i}\b|\b{i} *(?:\+\+|--|[-+*/%]?=[^=])|&{i}\b"
+        changed = CHANGES.format(name=i)
         others = f"{self.body} {condition} {' '.join(part for part in step.split(', ') if part not in steps)}"
-        return any(map(ends.fullmatch, condition.split(" && "))) and len(steps) == 1 and not re.search(changed, others)
+        to_constant = not has_or(condition) and any(map(ends.fullmatch, condition.split(" && ")))
+        return to_constant and len(steps) == 1 and not re.search(changed, others)
 
 
 def loops_of(path: Path) -> Iterator[Loop]:
@@ -62,7 +63,7 @@ def rows(blocks: Sequence[str], proved: Collection[str] = ()) -> list[tuple[str,
     Raises InputError where a loop has no bound, or a bound no loop.
     """
     known, met, table = bounds(), set[tuple[str, str]](), list[tuple[str, ...]]()
-    for part, files in parts(blocks)[:-1]:
+    for part, files in parts(blocks):
         counted, by_proof, others = 0, 0, []
         for path in files:
             name = path.relative_to(PACKAGES).as_posix()

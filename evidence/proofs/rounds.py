@@ -18,6 +18,9 @@ from orchestration import InputError
 
 FILE = Path(__file__).with_name("loops.yaml")
 FLIGHT_CODE = ("allocator", "controller", "estimator", "supervisor", "fmus")
+_ASSUMES = re.compile(r"\badmit\b|\baxiom\b|\blemma\b|\binvariant \w+:|\\false")
+CHANGES = r"(?:\+\+|--)(?:\w+(?:->|\.))*{name}\b|\b{name} *(?:\+\+|--|(?:[-+*/%&|^]|<<|>>)?=[^=])|&{name}\b"
+"""How a body changes a variable or a member."""
 _NUMBER = r"(?:(?! && )[\w.()&*+ -]|->)+"
 _UP = re.compile(rf"for \((?:int|int32_t|size_t) (\w+) = ({_NUMBER}); \1 (<=?) ({_NUMBER})(?: && [^;]+)?; \+\+\1\)")
 _DOWN = re.compile(rf"for \((?:int|int32_t) (\w+) = ({_NUMBER}); \1 (>=?) ({_NUMBER})(?: && [^;]+)?; --\1\)")
@@ -43,6 +46,14 @@ def bounds() -> dict[tuple[str, str], int]:
     return known
 
 
+def has_or(condition: str) -> bool:
+    """Whether a condition has an alternative outside parentheses: what it says of a counter is no bound then."""
+    bare = condition
+    while (less := re.sub(r"\([^()]*\)", "", bare)) != bare:
+        bare = less
+    return "||" in bare
+
+
 def counts(head: str, body: str) -> str:
     """How often a loop goes round at most, as a term of C; empty where its head does not say, or its body counts."""
     if found := _UP.fullmatch(head):
@@ -51,9 +62,9 @@ def counts(head: str, body: str) -> str:
         i, end, sign, first = found.groups()
     else:
         return ""
-    for name in (i, *re.findall(r"\w+", end)[-1:], *re.findall(r"\w+", first)[-1:]):
-        if re.search(rf"(?:\+\+|--)(?:\w+(?:->|\.))*{name}\b|\b{name} *(?:\+\+|--|[-+*/%]?=[^=])|&{name}\b", body):
-            return ""
+    named = {i, *re.findall(r"[A-Za-z_]\w*", end), *re.findall(r"[A-Za-z_]\w*", first)}
+    if has_or(head[len("for (") : -1]) or any(re.search(CHANGES.format(name=name), body) for name in named):
+        return ""
     return f"({end}) - ({first})" + (" + 1" if "=" in sign else "")
 
 
@@ -74,6 +85,17 @@ def marked(text: str, most: dict[str, int]) -> tuple[str, dict[int, str]]:
             heads[bare.count("\n", 0, at) + 1] = head
             text = f"{text[:at]}/*@ check {term} <= {most[head]}; */ {text[at:]}"
     return text, heads
+
+
+def refuse_assumptions(root: Path) -> None:
+    """Raises InputError where the C of `root` asks a proof to take something as given, or has a goto."""
+    for package in FLIGHT_CODE:
+        for path in (p for p in (root / package).rglob("*") if p.suffix in (".c", ".h")):
+            text = path.read_text("utf-8")
+            given = [note for note in re.findall(r"/\*@.*?\*/|//@[^\n]*", text, re.DOTALL) if _ASSUMES.search(note)]
+            if given or re.search(r"\bgoto \w+;", text):
+                found = given[0] if given else "goto"
+                raise InputError(f"{path.relative_to(root).as_posix()}: {found}: expected a proof, not an assumption")
 
 
 def copy(root: Path, into: Path) -> dict[tuple[str, int], str]:

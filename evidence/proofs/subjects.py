@@ -20,7 +20,7 @@ from fmus.places import PACKAGES
 from .analysis import Alarm, Result, analyse
 from .contracts import BY_WP
 from .harness import Range, harness
-from .rounds import copy
+from .rounds import copy, refuse_assumptions
 
 HERE = Path(__file__).parent
 REACHED = HERE / "reached.yaml"
@@ -84,6 +84,7 @@ class Subject:
                 sources += [*(path for native in own for path in sorted(native.rglob("*.c"))), ELEMENTARY]
                 program = folder / "harness.c"
                 program.write_text(harness(block.interface, self.span), "utf-8")
+        refuse_assumptions(root)
         loops = copy(root, folder / "packages")
         root = folder / "packages"
         sources, headers = ([root / p.relative_to(PACKAGES) for p in paths] for paths in (sources, headers))
@@ -106,7 +107,7 @@ class Subject:
 
     def is_proved_elsewhere(self, alarm: Alarm) -> bool:
         """A postcondition of a function whose body another program follows, or what WP proves of a function."""
-        if alarm.function in BY_WP:
+        if (alarm.file, alarm.function) in BY_WP:
             return alarm.kind in ("postcondition", "loop invariant", "user assertion")
         return alarm.kind == "postcondition" and alarm.function in self.by_contract
 

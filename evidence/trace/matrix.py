@@ -105,15 +105,22 @@ def _docstrings(path: Path) -> Iterator[str]:
     tree = ast.parse(path.read_text("utf-8"))
     parts = [node for node in ast.walk(tree) if isinstance(node, (ast.ClassDef, ast.FunctionDef))]
     if path.name.startswith("test_"):
-        parts = [node for node in parts if node.name.startswith("test_") and not any(map(_skips, node.decorator_list))]
-        if not parts or any(_skips(node.value) for node in tree.body if isinstance(node, ast.Assign)):
+        parts = [node for node in tree.body if isinstance(node, ast.FunctionDef) and _tests(node)]
+        aside = [ast.unparse(node) for node in tree.body if not isinstance(node, (ast.FunctionDef, ast.ClassDef))]
+        if not parts or any(map(_SKIPS.search, aside)):
             return
     yield from (text for node in (tree, *parts) if (text := ast.get_docstring(node)))
 
 
-def _skips(node: ast.expr) -> bool:
-    """Whether it is pytest.mark.skip or xfail, with a reason or without, or a list with one."""
-    return bool(re.search(r"\bmark\.(?:skip|xfail)\b", ast.unparse(node)))
+_SKIPS = re.compile(r"\bmark\.(?:skip|xfail)\b|\bmark\.skipif\(True\b|\bunittest\.skip|^pytest\.(?:skip|xfail)\(")
+
+
+def _tests(node: ast.FunctionDef) -> bool:
+    """Whether pytest runs it as a test, whatever is there, and it does something."""
+    body = node.body[ast.get_docstring(node) is not None :]
+    said = [ast.unparse(part) for part in (*node.decorator_list, *body)]
+    does = any(ast.unparse(part) not in ("pass", "...", "assert True") for part in body)
+    return node.name.startswith("test_") and does and not any(map(_SKIPS.search, said))
 
 
 def write(rows: Sequence[Requirement], folder: Path = OUT) -> Path:

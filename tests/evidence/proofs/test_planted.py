@@ -16,6 +16,7 @@ from evidence.proofs.argued import Argument, arguments, unproved
 from evidence.proofs.faults import Fault, faults
 from evidence.proofs.make import prove
 from evidence.proofs.planted import found, subject_of
+from evidence.proofs.rounds import FLIGHT_CODE
 from fmus.places import PACKAGES
 from orchestration import InputError
 
@@ -76,3 +77,27 @@ def test_the_allocator_is_proved_with_and_without_limits():
 @pytest.mark.parametrize("number", [1, 3, 6, 30])
 def test_a_planted_fault_is_found(number, tmp_path):
     assert found(FAULTS[number - 1], Path(tmp_path))
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("fmus/native/common/vector.h", "const double d = 1.0 / dot(m.a, u)", "const double d = 2.0 / dot(m.a, u)"),
+        ("fmus/native/freestanding/elementary.c", "shift = 6755399441055744.0", "shift = 1.0"),
+        ("allocator/native/allocator.c", "ACROSS_MIN = 1e-3", "ACROSS_MIN = 0.0"),
+        ("controller/native/controller.c", "store_matrix(nearest_rotation(", "store_matrix(transposed("),
+    ],
+)
+def test_an_argument_rests_on_what_its_functions_call_on_constants_and_on_callers(tmp_path, file, old, new):
+    for package in FLIGHT_CODE:
+        shutil.copytree(PACKAGES / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    path = tmp_path / file
+    text = path.read_text("utf-8")
+    assert text.count(old) == 1
+    same = [a.digest(tmp_path) == a.code for a in arguments()]
+    assert all(same)
+    other = tmp_path / "other"
+    for package in FLIGHT_CODE:
+        shutil.move(tmp_path / package, other / package)
+    (other / file).write_text(text.replace(old, new))
+    assert not all(a.digest(other) == a.code for a in arguments())

@@ -12,7 +12,7 @@ import pytest
 
 from evidence.proofs import make, rounds
 from evidence.proofs.analysis import Result
-from evidence.proofs.rounds import counts, marked, proved
+from evidence.proofs.rounds import counts, marked, proved, refuse_assumptions
 from evidence.proofs.subjects import SUBJECTS
 from orchestration import InputError
 
@@ -29,6 +29,10 @@ from orchestration import InputError
         ("for (int i = 0; i < bank->count; ++i)", "{ ++bank->count; }", ""),
         ("for (int i = 0; i < bank->count; ++i)", "{ bank->count += 1; }", ""),
         ("for (int i = 0; i < n || more; ++i)", "{ }", ""),
+        ("for (int i = 0; i < n && good || more; ++i)", "{ }", ""),
+        ("for (int i = 0; i < n; ++i)", "{ i >>= 1; }", ""),
+        ("for (int i = 0; i < a->n + 1; ++i)", "{ a->n += 1; }", ""),
+        ("for (int i = 0; i < bank->count; ++i)", "{ bank->count <<= 1; }", ""),
         ("for (int i = 0; i < n; i += m)", "{ }", ""),
         ("for (;;)", "{ }", ""),
     ],
@@ -49,6 +53,26 @@ def test_the_check_stands_in_the_line_of_its_loop_and_before_what_the_loop_says_
     assert "/*@ check (n) - (0) <= 3; */ for (int i" in lines[3]
     assert "/*@ check (n) - (0) <= 4; */ //@ loop assigns i;" in lines[5]
     assert len(lines) == len(text.splitlines())
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "//@ admit x < 2;",
+        "/*@ admit\n x < 2; */",
+        "/*@ axiomatic A { axiom a: 0 == 1; } */",
+        "//@ assert \\false;",
+        "again:\n    goto again;",
+    ],
+)
+def test_c_that_asks_to_take_something_as_given_is_refused(tmp_path, text):
+    path = tmp_path / "allocator" / "a.c"
+    path.parent.mkdir()
+    path.write_text("/* No axiom. */\n//@ assert x > 1;\nint x;\n")
+    refuse_assumptions(tmp_path)
+    path.write_text(f"void f(void)\n{{\n{text}\n}}\n")
+    with pytest.raises(InputError, match="(?s)allocator/a.c: .*expected a proof, not an assumption"):
+        refuse_assumptions(tmp_path)
 
 
 def test_a_loop_is_proved_only_where_every_program_that_has_it_proves_it():

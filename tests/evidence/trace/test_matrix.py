@@ -26,7 +26,7 @@ def planted(tmp_path, **files):
 
 
 C = "/* A wheel. Requirement: ZZ-1. Tests: a.py. */\nint x;\n"
-SHOWN = "def test_it():\n    '''It turns.\n\n    Shows ZZ-1.\n    '''\n"
+SHOWN = "def test_it():\n    '''It turns.\n\n    Shows ZZ-1.\n    '''\n    assert turned()\n"
 
 
 def test_each_requirement_of_the_project_has_code_and_a_test_or_a_proof():
@@ -62,7 +62,15 @@ def test_a_planted_requirement_without_a_test_is_named(tmp_path, monkeypatch):
         ({"c_a": C, "test_a": "'''Shows ZZ-1.'''\n"}, "a test or a proof"),
         ({"c_a": C, "test_a": SHOWN.replace("test_it", "helper")}, "a test or a proof"),
         ({"c_a": C, "flown_a": "# Shows ZZ-1.\nname: a\n"}, "a test or a proof"),
-        ({"c_a": C, "test_a": "@pytest.mark.skipif(True)\n" + SHOWN}, ""),
+        ({"c_a": C, "test_a": "@pytest.mark.skipif(True)\n" + SHOWN}, "a test or a proof"),
+        ({"c_a": C, "test_a": "@unittest.skip\n" + SHOWN}, "a test or a proof"),
+        ({"c_a": C, "test_a": SHOWN.replace("assert turned()", "pytest.skip()")}, "a test or a proof"),
+        ({"c_a": C, "test_a": "pytest.skip(allow_module_level=True)\n" + SHOWN}, "a test or a proof"),
+        ({"c_a": C, "test_a": "pytestmark: object = pytest.mark.skip\n" + SHOWN}, "a test or a proof"),
+        ({"c_a": C, "test_a": SHOWN.replace("assert turned()", "assert True")}, "a test or a proof"),
+        ({"c_a": C, "test_a": SHOWN.replace("    assert turned()\n", "")}, "a test or a proof"),
+        ({"c_a": C, "test_a": "def helper():\n    def test_it():\n        '''Shows ZZ-1.'''\n"}, "a test or a proof"),
+        ({"c_a": C, "test_a": "@pytest.mark.skipif(no_compiler)\n" + SHOWN}, ""),
         ({"c_a": C, "proof_a": "'''Of all.\n\nShows ZZ-1.\n'''\n"}, ""),
     ],
 )
