@@ -34,5 +34,3 @@ const Variable variables[BLOCK_VARIABLES] = {
     ROW("friction_viscous", p.friction_viscous, KIND_REAL, CAUSALITY_PARAMETER, TUNABLE, 0.0, 0.0, DBL_MAX, NULL, 0)
     ROW("sample_period", sampling.sample_period, KIND_REAL, CAUSALITY_PARAMETER, FIXED, 0.0, 0.0, DBL_MAX, NULL, 0)
 };
-
-const uint16_t real_outputs[BLOCK_REAL_OUTPUTS] = {10};
