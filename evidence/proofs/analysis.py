@@ -83,9 +83,9 @@ def analyse(
     if done.returncode or not table.exists():
         raise InputError(f"{program}: Frama-C failed; its words are in {log}")
     rows = [row for row in csv.DictReader(table.open(encoding="utf-8"), delimiter="\t") if _counts(row, numbers_only)]
-    checks = [(_alarm(row), row["status"]) for row in rows if row["property kind"] == "user check"]
+    checks = [row for row in rows if row["property kind"] == "user check" and row["status"] != "Dead"]
     rows = [row for row in rows if row["property kind"] != "user check"]
-    rounds = tuple(sorted({(loops[a.file, a.line], status in _PROVED) for a, status in checks if status != "Dead"}))
+    rounds = tuple(sorted({(loops[_place(row)], row["status"] in _PROVED) for row in checks}))
     alarms = tuple(sorted({_alarm(row) for row in rows if row["status"] not in _PROVED}))
     valid = sum(row["status"] == "Valid" for row in rows)
     entered = tuple(re.findall(r"^  (\w+): [1-9]\d* stmts out of", text, re.MULTILINE))
@@ -96,6 +96,11 @@ def _counts(row: dict[str, str], numbers_only: bool) -> bool:
     """A precondition of the C library counts where it is called."""
     about_memory = row["property kind"] in ("initialization", "mem_access", "index_bound")
     return not row["directory"].startswith("FRAMAC_SHARE") and not (numbers_only and about_memory)
+
+
+def _place(row: dict[str, str]) -> tuple[str, int]:
+    """The file in the folder `packages` of the proof, with slashes, and the line."""
+    return f"{row['directory']}/{row['file']}".rpartition("/packages/")[2], int(row["line"])
 
 
 def _alarm(row: dict[str, str]) -> Alarm:

@@ -64,11 +64,11 @@ def arguments() -> list[Argument]:
 
 def stale(given: Iterable[Argument]) -> list[str]:
     """Of each argument whose C is another now: which, and what to do."""
-    changed = [(a, a.digest()) for a in given if a.digest() != a.code]
     return [
         f"{FILE.name}: {a.file}: {a.function}: {a.text}: the C that it rests on has changed; "
         f"remedy: read the argument again, then code: {digest!r}"
-        for a, digest in changed
+        for a in given
+        if (digest := a.digest()) != a.code
     ]
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import yaml
@@ -87,30 +87,32 @@ def marked(text: str, most: dict[str, int]) -> tuple[str, dict[int, str]]:
     return text, heads
 
 
+def c_of(root: Path) -> Iterator[tuple[str, str]]:
+    """The C of the packages in `root` that flight code is made of: each file's name in it, with slashes, and text."""
+    for package in FLIGHT_CODE:
+        for path in sorted(p for p in (root / package).rglob("*") if p.suffix in (".c", ".h")):
+            yield path.relative_to(root).as_posix(), path.read_text("utf-8")
+
+
 def refuse_assumptions(root: Path) -> None:
     """Raises InputError where the C of `root` asks a proof to take something as given, or has a goto."""
-    for package in FLIGHT_CODE:
-        for path in (p for p in (root / package).rglob("*") if p.suffix in (".c", ".h")):
-            text = path.read_text("utf-8")
-            given = [note for note in re.findall(r"/\*@.*?\*/|//@[^\n]*", text, re.DOTALL) if _ASSUMES.search(note)]
-            if given or re.search(r"\bgoto \w+;", text):
-                found = given[0] if given else "goto"
-                raise InputError(f"{path.relative_to(root).as_posix()}: {found}: expected a proof, not an assumption")
+    for name, text in c_of(root):
+        given = [note for note in re.findall(r"/\*@.*?\*/|//@[^\n]*", text, re.DOTALL) if _ASSUMES.search(note)]
+        if given or re.search(r"\bgoto \w+;", text):
+            raise InputError(f"{name}: {given[0] if given else 'goto'}: expected a proof, not an assumption")
 
 
 def copy(root: Path, into: Path) -> dict[tuple[str, int], str]:
-    """Copies the C of `root` with the checks; returns `file: head` of each checked loop by file and line."""
+    """Copies the C of `root` with the checks; returns `file: head` of each checked loop by its file and line."""
     shutil.rmtree(into, ignore_errors=True)
     places: dict[tuple[str, int], str] = {}
     known = bounds()
-    for package in FLIGHT_CODE:
-        for path in (p for p in (root / package).rglob("*") if p.suffix in (".c", ".h")):
-            name = path.relative_to(root).as_posix()
-            most = {head: n for (file, head), n in known.items() if file == name}
-            text, heads = marked(path.read_text("utf-8"), most)
-            (into / name).parent.mkdir(parents=True, exist_ok=True)
-            (into / name).write_text(text, "utf-8")
-            places |= {(path.name, line): f"{name}: {head}" for line, head in heads.items()}
+    for name, text in c_of(root):
+        most = {head: n for (file, head), n in known.items() if file == name}
+        new, heads = marked(text, most)
+        (into / name).parent.mkdir(parents=True, exist_ok=True)
+        (into / name).write_text(new, "utf-8")
+        places |= {(name, line): f"{name}: {head}" for line, head in heads.items()}
     return places
 
 

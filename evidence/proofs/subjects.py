@@ -153,6 +153,11 @@ def _whole(name: str, *closely: str, by_contract: tuple[str, ...] = (), unroll: 
     return Subject(name, "any", 0, (*calls, *closely), by_contract, paths=paths, options=options)
 
 
+def _estimator(name: str) -> Subject:
+    contract = ("estimator_correct_states",)
+    return _whole(name, "check_choices", "epoch_read", by_contract=contract, unroll=12, paths=20)
+
+
 SUBJECTS = (
     Subject("functions", None, 5, sources=(ELEMENTARY,), options=_BUILTINS, quick=True),
     Subject("date", None, 6, options=("-eva-slevel", "3000"), quick=True),
@@ -180,14 +185,9 @@ SUBJECTS = (
     Subject("controller", "any", 6),
     Subject("controller", "limits"),
     _whole("supervisor"),
-    _whole("estimator", "check_choices", "epoch_read", by_contract=("estimator_correct_states",), unroll=12, paths=20),
+    _estimator("estimator"),
     _whole("controller_wheels", "errors_of", "outputs_of", "reference_at", "reference_lvlh"),
-    _whole(
-        *("estimator_wheels", "check_choices", "epoch_read"),
-        by_contract=("estimator_correct_states",),
-        unroll=12,
-        paths=20,
-    ),
+    _estimator("estimator_wheels"),
     _whole(
         *("controller_planned", "check_choices", "epoch_read"),
         by_contract=("controller_planned_box_qp", "controller_planned_solve_free"),
