@@ -6,8 +6,8 @@ from __future__ import annotations
 import json
 import mmap
 import struct
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -21,6 +21,8 @@ T = TypeVar("T")
 
 CALLS = "Set", "DoStep", "Get"
 """Of the step loop."""
+_STEP = struct.Struct("<qq")
+"""The steps that a guest has done, and which of CALLS runs, from 1; 0: none (CGuest of master/layout.py)."""
 
 
 class Trace:
@@ -47,6 +49,19 @@ class Trace:
         self._put(1, f"{block}: {call}" + ("" if time is None else f" at {time:.10g} s"), 1000)
         self._calls += 1
         self.page[1010] = 1
+
+    @contextmanager
+    def during(self, block: str, call: str) -> Iterator[None]:
+        """Tells a call outside of the loop in C while it runs."""
+        self.at(block, call)
+        try:
+            yield
+        finally:
+            self.rest()
+
+    def step(self, place: int, done: int, call: str | None) -> None:
+        """A call of CALLS begins in a step, at the place of a guest; None: the last has returned."""
+        _STEP.pack_into(self.page, place, done, 0 if call is None else CALLS.index(call) + 1)
 
     def renew(self) -> None:
         """Takes memory of this process alone."""
@@ -89,7 +104,7 @@ class Trace:
         return self._text(1)
 
     def _active(self, number: int) -> tuple[int, int]:
-        return struct.unpack_from("<qq", self.page, self.GUESTS + self.ROOM * number)
+        return _STEP.unpack_from(self.page, self.GUESTS + self.ROOM * number)
 
 
 TRACE = Trace()

@@ -5,9 +5,8 @@ Tests: tests/orchestration/acceptance/test_polarity.py.
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Mapping
+from contextlib import ExitStack
 from time import monotonic, perf_counter, thread_time
 from typing import Any
 
@@ -40,21 +39,6 @@ def flown_inputs(loop: Loop, block: str, signals: Mapping[Node, Floats]) -> dict
                 columns[target.element.position] = signals[source] * link.factor + link.offset
     whole = {name: columns for name, columns in given.items() if len(columns) == variables[name].size}
     return {name: np.stack([columns[i] for i in range(len(columns))], axis=1) for name, columns in whole.items()}
-
-
-_CALL = struct.Struct("<qq")
-_NONE, _SET, _DO_STEP, _GET = range(4)
-"""What a guest tells of itself, as Trace reads it: the steps done, and the call that runs."""
-
-
-@contextmanager
-def _told(block: str, call: str) -> Iterator[None]:
-    """Tells the call that runs, for who waits for this process."""
-    TRACE.at(block, call)
-    try:
-        yield
-    finally:
-        TRACE.rest()
 
 
 class Bench:
@@ -153,7 +137,7 @@ class Bench:
         """Returns the instance, set back to its start; a new one where there is none, or where it cannot be reset."""
         try:
             if self._slave is not None:
-                with _told(self.block, f"{self.model.prefix}Reset"):
+                with TRACE.during(self.block, f"{self.model.prefix}Reset"):
                     self._slave.reset()
         except BlockError:
             self.keeps_instance = False
@@ -167,7 +151,7 @@ class Bench:
         kinds = [TYPES.index(variables[e.variable].type) for e in elements]
         self._order = np.argsort(kinds, kind="stable")
         self._elements = [elements[i] for i in self._order]
-        with _told(self.block, "loading and instantiating it"):
+        with TRACE.during(self.block, "loading and instantiating it"):
             self._slave = Slave(self.block, self._fmu, self._folder)
         self._stepped: Block = self.opened.adapted(self._slave)
         self._given: Floats | None = None
@@ -178,7 +162,7 @@ class Bench:
         self, table: Floats, parameters: Mapping[Element, float] | None = None, stop: float | None = None
     ) -> list[Floats]:
         """Initializes it, and returns its outputs at the start."""
-        with _told(self.block, "its initialization"):
+        with TRACE.during(self.block, "its initialization"):
             return self._initialized(table, parameters, stop)
 
     def _initialized(
@@ -203,17 +187,17 @@ class Bench:
             for done, values in enumerate(table[first:], first - 1 if count is None else count):
                 given[:] = values
                 begun = perf_counter()
-                _CALL.pack_into(TRACE.page, self._place, done, _SET)
+                TRACE.step(self._place, done, "Set")
                 block.set_inputs()
-                _CALL.pack_into(TRACE.page, self._place, done, _DO_STEP)
+                TRACE.step(self._place, done, "DoStep")
                 block.do_step(done * self.step, self.step)
-                _CALL.pack_into(TRACE.page, self._place, done, _GET)
+                TRACE.step(self._place, done, "Get")
                 block.get_all()
                 if self.seconds is not None:
                     self.seconds.append(perf_counter() - begun)
                 rows.append(into.copy())
         finally:
-            _CALL.pack_into(TRACE.page, self._place, 0, _NONE)
+            TRACE.step(self._place, 0, None)
         return rows
 
     def _close(self) -> None:
