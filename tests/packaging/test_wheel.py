@@ -112,7 +112,7 @@ def test_a_wheel_brings_fmus_loops_scenarios_and_licence(wheel: Path) -> None:
     assert {name.partition("/")[0] for name in names if ".dist-info/" not in name} == NAMES
     assert {f"{name}/py.typed" for name in NAMES} <= names
     assert wheel.name.endswith("-py3-none-any.whl")
-    assert wheel.stat().st_size < 10_300_000
+    assert wheel.stat().st_size < 12_000_000
 
 
 def test_from_an_empty_folder_a_user_gets_scenarios_runs_one_and_gets_the_fmus(installed: Path, tmp_path: Path) -> None:

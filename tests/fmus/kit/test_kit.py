@@ -89,6 +89,7 @@ def test_the_vector_tells_an_empty_block_from_a_right_one(c_kit):
         types = ("Parameters", "Inputs", "Outputs", "State", "Law")
         own = [f"typedef {camel_case(code)}{t} {camel_case(block)}{t};" for t in types]
         own += [f"#define {block}_{f} {code}_{f}" for f in ("check", "prepare", "start", "outputs", "step")]
+        own += [f"#define {block.upper()}_PORTS_H"]  # the types are those of the code's own ports
         (folder / f"{block}.h").write_text("\n".join(["#pragma once", f'#include "{code}.h"', *own, ""]))
         (folder / f"{block}.c").write_text(f'#include "{block}.h"\n')
     right = make(folder, "vector", "CFLAGS=-O1")
