@@ -11,10 +11,12 @@ import numpy as np
 from .. import markdown
 from ..markdown import degrees
 from .kept import Flight
-from .rows import ROWS, SETS, Row
+from .rows import ROWS, Row
 
-HEAD = "what fails|coarse|star tracker|3U|safe|named|median|another named|largest|rate"
+HEAD = "what fails|lost|safe|named, median|another named"
 NOTHING = "nothing"
+SENSORS = {"estimated": "coarse", "estimated_star_tracker": "star tracker", "cubesat": "3U"}
+"""What the page calls the sensors of each campaign."""
 
 
 def text(flights: Sequence[Flight]) -> str:
@@ -25,6 +27,7 @@ def text(flights: Sequence[Flight]) -> str:
     ]
     parts = [f for row in ROWS if row.part and not row.pair for f in of[row.name]]
     pairs = [f for row in ROWS if row.pair for f in of[row.name]]
+    every = [f for row in ROWS for f in of[row.name]]
     lost = [f for f in failing if f.outcome == "lost"]
     return markdown.render(
         Path(__file__).parent,
@@ -32,6 +35,8 @@ def text(flights: Sequence[Flight]) -> str:
         head=HEAD,
         flown=len(failing),
         lost=len(lost),
+        largest=degrees(max((f.largest_deg for f in every if f.outcome == "held"), default=0.0)),
+        spin=f"{max((f.spin_deg_s for f in every if f.outcome != 'held'), default=0.0):.2g}",
         pairs=len(pairs),
         pairs_lost=sum(f.outcome == "lost" for f in pairs),
         kinds=sum(bool(of[row.name]) for row in ROWS if row.text != NOTHING and not row.pair),
@@ -48,16 +53,12 @@ def text(flights: Sequence[Flight]) -> str:
 def _line(which: str, of: dict[str, list[Flight]]) -> list[str]:
     rows = [row for row in ROWS if kind(row) == which]
     flights = [f for row in rows for f in of[row.name]]
-    held = [f.largest_deg for f in flights if f.outcome == "held"]
-    unheld = [f.spin_deg_s for f in flights if f.outcome != "held"]
     return [
         which,
-        *(_lost([f for row in rows if row.campaign == campaign for f in of[row.name]]) for campaign in SETS),
+        _lost([(row.campaign, f) for row in rows for f in of[row.name]]),
         str(sum(f.outcome == "safe" for f in flights)),
-        *_named(rows, flights),
+        _named(rows, flights),
         str(sum(bool(f.others) for f in flights)),
-        degrees(max(held)) if held else "",
-        f"{max(unheld):.2g}" if unheld else "",
     ]
 
 
@@ -66,14 +67,17 @@ def kind(row: Row) -> str:
     return row.text.removesuffix(", in the tumble").removesuffix(", in the hold")
 
 
-def _lost(flights: Sequence[Flight]) -> str:
-    return f"{sum(f.outcome == 'lost' for f in flights)} of {len(flights)}" if flights else ""
+def _lost(flights: Sequence[tuple[str, Flight]]) -> str:
+    """How many are lost, and on which sets of sensors."""
+    lost = [campaign for campaign, f in flights if f.outcome == "lost"]
+    where = ", ".join(f"{text} {lost.count(campaign)}" for campaign, text in SENSORS.items() if campaign in lost)
+    return f"{len(lost)} of {len(flights)}" + (f": {where}" if where else "")
 
 
-def _named(rows: Sequence[Row], flights: Sequence[Flight]) -> list[str]:
+def _named(rows: Sequence[Row], flights: Sequence[Flight]) -> str:
     """In how many flights the part is named, and after how long at the median."""
     times = np.array([f.named_s for f in flights])
     if not rows[0].part or not len(times):
-        return ["", ""]
+        return ""
     known = times[np.isfinite(times)]
-    return [markdown.finite(times), f"{np.median(known):.0f} s" if len(known) else ""]
+    return markdown.finite(times) + (f", {np.median(known):.0f} s" if len(known) else "")

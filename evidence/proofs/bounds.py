@@ -32,8 +32,6 @@ class Bounds:
     block: str
     stack: dict[str, int]
     """The deepest chain of calls from each of the block's functions."""
-    functions: int
-    """How many there are, those of the compiler's own library not counted."""
 
 
 def bounds_of(name: str) -> Bounds:
@@ -51,7 +49,6 @@ def bounds_of(name: str) -> Bounds:
     return Bounds(
         name,
         {call: deepest(graphs, f"{block.interface.code}_{call}") for call in CALLS},
-        sum(graph.count("bytes (static)") for graph in graphs),
     )
 
 
@@ -74,4 +71,4 @@ def _graph(source: Path, include: list[str], folder: Path) -> str:
 def rows(names: tuple[str, ...]) -> list[tuple[str, ...]]:
     """Of the page's table."""
     made = [bounds_of(name) for name in names]
-    return [(f"`{b.block}`", *(str(b.stack[call]) for call in CALLS), str(b.functions)) for b in made]
+    return [(f"`{b.block}`", *(str(b.stack[call]) for call in CALLS)) for b in made]

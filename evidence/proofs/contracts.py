@@ -35,7 +35,6 @@ class Contract:
     file: str
     functions: tuple[str, ...]
     block: str
-    says: str
     left: frozenset[str] = frozenset()
     """Goals that z3 is known not to prove; they are counted as not proved, and are no alarms."""
 
@@ -83,8 +82,7 @@ def _finite(name: str) -> Contract:
     code, folder = block.interface.code, block.folder.relative_to(PACKAGES).as_posix()
     inner = {"allocator": ("remember",), "controller": ("outputs_of",), "controller_planned": ("give",)}
     functions = (*SHARED, f"{code}_refuse", f"{code}_guard", *inner.get(code, ()), f"{code}_outputs", f"{code}_step")
-    says = "outputs and step succeed only where each number of the outputs is finite"
-    return Contract(f"guard, {name}", f"{folder}/native/{code}.c", functions, name, says)
+    return Contract(f"guard, {name}", f"{folder}/native/{code}.c", functions, name)
 
 
 SHARED = ("is_number", "run_finite", "not_finite")
@@ -96,7 +94,6 @@ CONTRACTS = (
         "controller/planned/native/decide/guard.c",
         ("is_command", "bring_within", "controller_planned_limits"),
         "controller_planned",
-        "commands pass only where each is finite and within its limit",
     ),
 )
 BY_WP = frozenset(

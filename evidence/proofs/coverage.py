@@ -60,7 +60,7 @@ def parts(blocks: Sequence[str]) -> list[tuple[str, list[Path]]]:
 
 
 def rows(blocks: Sequence[str], results: Iterable[tuple[Subject, Result]]) -> list[tuple[str, ...]]:
-    """Of each part: its functions, those that its own program enters, those of others, and the names of the rest."""
+    """Of each part: its functions that its own program enters, those of others, and the names of the rest."""
     programs = [(subject, reached(result)) for subject, result in results]
     table: list[tuple[str, ...]] = []
     for part, files in parts(blocks):
@@ -84,7 +84,6 @@ def rows(blocks: Sequence[str], results: Iterable[tuple[Subject, Result]]) -> li
         table.append(
             (
                 f"`{part}`" if part in blocks else part,
-                str(len(functions)),
                 str(len(own)),
                 f"{elsewhere}: " + ", ".join(f"`{n}`" for n in by) if by else "0",
                 (str(len(rest)) if len(rest) > NAMED else ", ".join(f"`{n}`" for n in rest)) or "none",

@@ -57,7 +57,7 @@ def loops_of(path: Path) -> Iterator[Loop]:
 
 
 def rows(blocks: Sequence[str], proved: Collection[str] = ()) -> list[tuple[str, ...]]:
-    """Of each part of the flight code: its loops, those that count to a constant, those whose bound is `proved` (as
+    """Of each part of the flight code: its loops that count to a constant, those whose bound is `proved` (as
     `file: head`), those with a reason, and the most rounds of one of the last two.
 
     Raises InputError where a loop has no bound, or a bound no loop.
@@ -77,7 +77,7 @@ def rows(blocks: Sequence[str], proved: Collection[str] = ()) -> list[tuple[str,
                 else:
                     raise InputError(f"{name}: {loop.head}: no constant bounds it, and {FILE.name} has none")
         title = f"`{part}`" if part in blocks else part
-        shares = (counted + len(others), counted, by_proof, len(others) - by_proof, max(others, default="-"))
+        shares = (counted, by_proof, len(others) - by_proof, max(others, default="-"))
         table.append((title, *map(str, shares)))
     if idle := set(known) - met:
         raise InputError(f"{FILE.name}: no loop is {': '.join(sorted(idle)[0])}; remedy: remove it")

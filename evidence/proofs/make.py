@@ -110,13 +110,8 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
     rows = []
     for subject, result in results:
         left = len(unproved(result.alarms, given))
-        cells = (
-            subject.span or "any",
-            "{} of {}".format(*result.statements),
-            str(left),
-            str(len(result.alarms) - left),
-        )
-        rows.append((f"`{subject.name}`", *cells, f"{result.seconds:.0f} s"))
+        argued, reached = str(len(result.alarms) - left), "{} of {}".format(*result.statements)
+        rows.append((f"`{subject.name}`, {subject.span or 'any'}", reached, argued, f"{result.seconds:.0f} s"))
     blocks, finite = (list(dict.fromkeys(s.name for s, _ in results if s.span == span)) for span in ("any", "limits"))
     rounds = proved(r.rounds for _, r in results)
     missing = [name for name in FLIGHT if name not in blocks]
@@ -131,9 +126,7 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
             argued=len(met),
             faults=len(faults()),
             rows=rows,
-            contracts=[
-                (f"`{c.file}`", c.says, f"{r.proved} of {r.statements[1]}", f"{r.seconds:.0f} s") for c, r in contracts
-            ],
+            contracts=[(c.title, f"{r.proved} of {r.statements[1]}", f"{r.seconds:.0f} s") for c, r in contracts],
             stacks=rows_of_stack(FLIGHT),
             loops=rows_of_loops(FLIGHT, {loop for loop, holds in rounds.items() if holds}),
             rounds=f"{sum(rounds.values())} of {len(rounds)}",

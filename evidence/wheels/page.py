@@ -35,22 +35,20 @@ def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long]) ->
         one_of_three=_count([f for f in flown if f.condition == "one dead" and len(WHEELS[f.satellite]) == 3]),
         one_left=_count([f for f in flown if f.condition == "two dead"]),
         alone=_alone([f for f in flown if f.condition == "all dead"]),
-        rods=[
-            (str(f.run), f"{f.inclination:.0f}°", degrees(f.hold_rms), degrees(f.hold_max), degrees(f.least_angle))
-            for f in flown
-            if f.condition == "all dead"
-        ],
+        rods=", ".join(
+            f"{degrees(f.hold_rms)} beside {degrees(f.least_angle)}" for f in flown if f.condition == "all dead"
+        ),
         others=_count([f for f in flown if f.condition in ("one weak", "one reversed", "one stuck", "one drags")]),
         named=sum(f.others for f in flown),
         rows=[row for name in WHEELS for row in _rows(flown, name)],
         failed=list(_failed(flown)),
-        failed_head="|".join(["failed", *(f"{name}: settled|worst, s|hold rms, worst" for name in WHEELS)]),
+        failed_head="|".join(["failed", *WHEELS]),
         found=_found([f for f in flown if CONDITIONS[f.condition].lost and f.condition != "all dead"]),
         slews=[_slews(slews, name) for name in WHEELS],
         angles="|".join(f"{angle}°" for angle in ANGLES),
         slews_within=f"{sum(one.ratio <= WITHIN for one in slews):,} of {len(slews):,}",
         long=[
-            (one.flight, one.satellite, degrees(one.rms), degrees(one.largest), f"{one.wheel_share:.2f}")
+            (one.flight, one.satellite, f"{degrees(one.rms)}, {degrees(one.largest)}", f"{one.wheel_share:.2f}")
             for one in long
         ],
         ratios=f"{np.median(least):.1f}, at most {max(least):.1f}, of {len(least)}" if least else "not known",
@@ -94,9 +92,9 @@ def _rows(flown: Sequence[Flown], satellite: str) -> list[list[str]]:
         if not those or condition.lost:
             continue
         settled = [f for f in those if f.settled]
-        steep = [f for f in those if f.inclination >= 30.0]
         share = f"{max(x.wheel_share for x in settled):.2f}" if settled else "–"
-        rows.append([satellite, condition.text, _count(those), _count(steep), *_times(those), *_holds(settled), share])
+        settling = ", ".join([_count(those), *_times(those)])
+        rows.append([satellite, condition.text, settling, ", ".join(_holds(settled)), share])
     return rows
 
 
@@ -107,7 +105,8 @@ def _failed(flown: Sequence[Flown]) -> Iterator[list[str]]:
             row = [condition.text]
             for satellite in WHEELS:
                 those = [f for f in flown if (f.satellite, f.condition) == (satellite, name)]
-                row += [_count(those), _times(those)[1], _holds([f for f in those if f.settled])[1]] if those else "–––"
+                held = _holds([f for f in those if f.settled])[1]
+                row.append(f"{_count(those)}, {_times(those)[1]}, {held}" if those else "–")
             yield row
 
 
@@ -119,7 +118,7 @@ def _found(flown: Sequence[Flown]) -> str:
 
 
 def _times(those: Sequence[Flown]) -> list[str]:
-    return [f"{f(x.settled_5 for x in those):,.0f}".replace("inf", "–") for f in (_median, max)]
+    return [f"{f(x.settled_5 for x in those):,.0f} s".replace("inf s", "–") for f in (_median, max)]
 
 
 def _holds(settled: Sequence[Flown]) -> list[str]:

@@ -20,17 +20,17 @@ def test_what_stands_before_more_has_450_words_at_most():
 
 def test_the_results_are_those_of_their_pages():
     flown = re.findall(r"(\d+ of \d+) settle, in ([\d.]+) orbit at the median and ([\d.]+) at worst", page("flight"))
-    estimated = {row[0]: row for row in reversed(rows(page("estimation")))}  # the first table of the loop counts
-    for name in ("magnetometer, sun sensors, gyro", "with a star tracker"):
-        row = estimated[name]
-        flown.append((row[1], row[2], row[3]))
+    estimated = re.findall(
+        r"- .*? (\d+ of \d+) settle, after ([\d.]+) orbit at the median and ([\d.]+) at worst; "
+        r"the hold is [\d.]+° rms, ([\d.]+)° at worst",
+        page("estimation"),
+    )
+    flown += [row[:3] for row in estimated]
     stated = [row[1:3] for row in rows(LINES) if " of " in row[1]]
     assert stated == [[settled, f"{minutes(median)}, {minutes(worst)}"] for settled, median, worst in flown]
     holds = [row[3] for row in rows(LINES) if " of " in row[1]]
-    assert holds[2:] == [
-        estimated[name][4].replace("°", "").split(", ")[1] + " deg"
-        for name in ("magnetometer, sun sensors, gyro", "with a star tracker")
-    ]
+    assert holds[2:] == [f"{row[3]} deg" for row in estimated]
+    assert len(estimated) == 2
 
 
 def test_the_satellites_near_the_equator_are_those_of_their_flights():
