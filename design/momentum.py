@@ -1,5 +1,7 @@
 """The least time in which the balance of angular momentum allows a manoeuvre: a proven lower bound.
 
+Longer than 250 lines: the proof stands here.
+
 Rods and wheel cannot change the momentum H_N = R (J Omega + l_w e_w) as they like: the wheel's torque is internal,
 and a dipole m in the field B gives m x B only. Over [0, T]
 

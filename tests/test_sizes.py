@@ -10,6 +10,7 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = (
     "allocator",
     "controller",
+    "design",
     "docs",
     "estimator",
     "examples",

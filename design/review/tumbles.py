@@ -1,5 +1,6 @@
 """The tumbles of a review: a campaign, whose own page and replay stand behind what is shown here.
 
+Longer than 250 lines: what is flown, and what is told of it.
 Tests: tests/design/review/test_review.py.
 """
 

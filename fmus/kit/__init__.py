@@ -19,8 +19,8 @@ from .. import places
 from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface, parse
 from ..native import COMMON, SHELL
-from ..native.generate import block_header, ports_header, table
-from ..native.guard import guard_header
+from ..native.generate import block_header, table
+from ..native.guard import headers
 from .fill import by_default, filled
 
 SCENARIO = places.shared("scenarios") / "paper_singularity.yaml"
@@ -105,8 +105,7 @@ def generated(interface: Interface) -> dict[str, str]:
     header = "/* Generated from interface.toml; do not edit. */\n"
     return {
         "modelDescription.xml": model_description(interface, guid, capabilities, _TOOL).decode(),
-        **ports_header(interface, "interface.toml"),
-        **guard_header(interface),
+        **headers(interface, "interface.toml"),
         "block.h": header + block_header(interface, guid),
         "table.c": header + table(interface),
     }

@@ -14,8 +14,8 @@ from .. import link, native
 from ..interface import Interface, Variable
 from ..link import wire
 from ..native import COMMON
-from ..native.generate import TEXT_SIZE, camel_case, ports_header
-from ..native.guard import guard_header
+from ..native.generate import TEXT_SIZE, camel_case
+from ..native.guard import headers
 from . import for_teams, own, put, refuse_other
 from .fill import filled
 
@@ -84,8 +84,7 @@ def generated(interface: Interface, of_block: bool = False) -> dict[str, str]:
         parts.append(f"#define block_sample {name}_sample")
     body = "\n".join(parts)
     return {
-        **ports_header(interface, "interface.toml"),
-        **guard_header(interface),
+        **headers(interface, "interface.toml"),
         "block.h": (
             f'#ifndef BLOCK_H\n#define BLOCK_H\n\n#include "{name}.h"\n\n#include <stddef.h>\n\n{body}\n\n#endif\n'
         ),

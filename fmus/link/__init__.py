@@ -19,8 +19,8 @@ from ..contents.archive import archive, common
 from ..contents.description import Capabilities, guid_from, model_description
 from ..interface import Interface, parse
 from ..native import COMMON, SHELL
-from ..native.generate import camel_case, identity, ports_header, table
-from ..native.guard import guard_header
+from ..native.generate import camel_case, identity, table
+from ..native.guard import headers
 from ..native.toolchain import FLAGS, PLATFORMS, compile_library, compiler, host_platform
 from . import wire
 
@@ -104,8 +104,7 @@ def lay_out(interface: Interface, guid: str, generated_into: Path) -> tuple[list
     """Writes the generated files; returns the C sources and the folders of headers, ready for a compiler."""
     whole = linked(interface)
     for name, text in {
-        **ports_header(whole),
-        **guard_header(whole),
+        **headers(whole),
         "block.h": _block_header(whole, guid),
         "table.c": table(whole),
         "wire.h": wire.header(interface),

@@ -19,8 +19,8 @@ from ..contents.origin import origin
 from ..interface import Interface
 from .carried import collected
 from .derivatives import slopes
-from .generate import arrays, block_header, ports_header, table
-from .guard import guard_header
+from .generate import arrays, block_header, table
+from .guard import headers
 from .toolchain import (
     FLAGS,
     FREESTANDING,
@@ -124,9 +124,9 @@ def sources(folder: Path) -> list[Path]:
 def generated_sources(interface: Interface, folder: Path) -> dict[str, str]:
     """Returns the C that a block includes and that is kept nowhere, by file name: its structures, and what
     `generated()` of `native/tables.py` returns, of the block and of those that lend to it."""
-    made = ports_header(interface) | guard_header(interface)
+    made = headers(interface)
     if (within := inside(folder)) is not None:
-        made |= ports_header(within.interface) | guard_header(within.interface)
+        made |= headers(within.interface)
     if (folder / "native" / "tables.py").exists():
         with module_of(folder, "native.tables") as tables:
             made |= tables.generated()

@@ -6,7 +6,12 @@ Requirement: FC-4. Tests: tests/native/test_calls.py.
 from __future__ import annotations
 
 from ..interface import Interface
-from .generate import camel_case, members_of
+from .generate import camel_case, members_of, ports_header
+
+
+def headers(interface: Interface, source: str | None = None) -> dict[str, str]:
+    """Returns what each C of a block includes, by the files' names: its structures (`source`: as there), its guard."""
+    return ports_header(interface, source) | guard_header(interface)
 
 
 def guard_header(interface: Interface) -> dict[str, str]:

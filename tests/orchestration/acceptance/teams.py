@@ -18,8 +18,7 @@ import fmpy
 from fmus.interface import load, parse
 from fmus.kit import generated
 from fmus.native import COMMON, SHELL
-from fmus.native.generate import ports_header
-from fmus.native.guard import guard_header
+from fmus.native.guard import headers
 
 from ..fmus import write
 
@@ -139,7 +138,7 @@ def build(name: str, folder: Path) -> Path:
     interface = parse(text, "team.toml")
     work = folder / f"{name}-sources"
     work.mkdir(parents=True)
-    for file, content in (generated(interface) | ports_header(ours) | guard_header(ours)).items():
+    for file, content in (generated(interface) | headers(ours)).items():
         (work / file).write_text(content, "utf-8")
     copied = [v.name for v in ours.of("input") if v.name not in team.rewritten]
     (work / "team.h").write_text(_header(team.block), "utf-8")
