@@ -66,9 +66,3 @@ def _graph(source: Path, include: list[str], folder: Path) -> str:
     if done.returncode:
         raise InputError(f"arm-none-eabi-gcc failed: {' '.join(command)}\n{done.stderr}")
     return target.with_suffix(".ci").read_text("utf-8")
-
-
-def rows(names: tuple[str, ...]) -> list[tuple[str, ...]]:
-    """Of the page's table."""
-    made = [bounds_of(name) for name in names]
-    return [(f"`{b.block}`", *(str(b.stack[call]) for call in CALLS)) for b in made]

@@ -57,8 +57,8 @@ def loops_of(path: Path) -> Iterator[Loop]:
 
 
 def rows(blocks: Sequence[str], proved: Collection[str] = ()) -> list[tuple[str, ...]]:
-    """Of each part of the flight code: its loops that count to a constant, those whose bound is `proved` (as
-    `file: head`), those with a reason, and the most rounds of one of the last two.
+    """Of each part of the flight code that has loops which do not count to a constant: how many do, how many have a
+    bound that is `proved` (as `file: head`), how many a reason, and the most rounds of one of the last two.
 
     Raises InputError where a loop has no bound, or a bound no loop.
     """
@@ -77,8 +77,9 @@ def rows(blocks: Sequence[str], proved: Collection[str] = ()) -> list[tuple[str,
                 else:
                     raise InputError(f"{name}: {loop.head}: no constant bounds it, and {FILE.name} has none")
         title = f"`{part}`" if part in blocks else part
-        shares = (counted, by_proof, len(others) - by_proof, max(others, default="-"))
-        table.append((title, *map(str, shares)))
+        if others:
+            shares = (counted, by_proof, len(others) - by_proof, max(others))
+            table.append((title, *map(str, shares)))
     if idle := set(known) - met:
         raise InputError(f"{FILE.name}: no loop is {': '.join(sorted(idle)[0])}; remedy: remove it")
     return table

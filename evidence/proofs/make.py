@@ -16,7 +16,7 @@ from ..paper import ROOT
 from ..tools import side_by_side
 from .analysis import Result
 from .argued import arguments, stale, unproved
-from .bounds import rows as rows_of_stack
+from .bounds import bounds_of
 from .contracts import CONTRACTS, Contract
 from .coverage import FLIGHT
 from .coverage import rows as rows_of_coverage
@@ -26,9 +26,11 @@ from .kept import FOLDER, result_of
 from .loops import rows as rows_of_loops
 from .rounds import proved
 from .rules import deviations
-from .subjects import HERE, REACHED, SUBJECTS, Subject
+from .subjects import CALLS, HERE, REACHED, SUBJECTS, Subject
 
 PAGE = ROOT / "docs" / "evidence" / "proofs.md"
+BEFORE = ("check", "prepare")
+"""Calls before a flight."""
 
 
 def prove(names: Sequence[str]) -> list[tuple[Subject, Result]]:
@@ -111,11 +113,12 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
     for subject, result in results:
         left = len(unproved(result.alarms, given))
         argued, reached = str(len(result.alarms) - left), "{} of {}".format(*result.statements)
-        rows.append((f"`{subject.name}`, {subject.span or 'any'}", reached, argued, f"{result.seconds:.0f} s"))
+        rows.append((f"`{subject.name}`, {subject.span or 'any'}", reached, argued))
     blocks, finite = (list(dict.fromkeys(s.name for s, _ in results if s.span == span)) for span in ("any", "limits"))
     rounds = proved(r.rounds for _, r in results)
     missing = [name for name in FLIGHT if name not in blocks]
     coverage = rows_of_coverage(FLIGHT, results)
+    stacks = [bounds_of(name) for name in FLIGHT]
     listed = [places for _, _, places in deviations()]
     PAGE.write_text(
         markdown.render(
@@ -126,8 +129,10 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
             argued=len(met),
             faults=len(faults()),
             rows=rows,
-            contracts=[(c.title, f"{r.proved} of {r.statements[1]}", f"{r.seconds:.0f} s") for c, r in contracts],
-            stacks=rows_of_stack(FLIGHT),
+            contracts=[(c.title, f"{r.proved} of {r.statements[1]}") for c, r in contracts],
+            minutes=f"{sum(r.seconds for _, r in (*results, *contracts)) / 60.0:.0f}",
+            stacks=[(f"`{b.block}`", *(str(b.stack[call]) for call in CALLS if call not in BEFORE)) for b in stacks],
+            before=max(b.stack[call] for b in stacks for call in BEFORE),
             loops=rows_of_loops(FLIGHT, {loop for loop, holds in rounds.items() if holds}),
             rounds=f"{sum(rounds.values())} of {len(rounds)}",
             coverage=coverage,
