@@ -13,7 +13,7 @@ from ..markdown import degrees
 from .kept import Flight
 from .rows import ROWS, Row
 
-HEAD = "what fails|lost|safe|named, median|another named"
+HEAD = "what fails|lost|safe|named, median"
 NOTHING = "nothing"
 SENSORS = {"estimated": "coarse", "estimated_star_tracker": "star tracker", "cubesat": "3U"}
 """What the page calls the sensors of each campaign."""
@@ -57,8 +57,7 @@ def _line(which: str, of: dict[str, list[Flight]]) -> list[str]:
         which,
         _lost([(row.campaign, f) for row in rows for f in of[row.name]]),
         str(sum(f.outcome == "safe" for f in flights)),
-        _named(rows, flights),
-        str(sum(bool(f.others) for f in flights)),
+        _named(rows, flights) + (f"; another {others}" if (others := sum(bool(f.others) for f in flights)) else ""),
     ]
 
 

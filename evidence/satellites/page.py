@@ -66,7 +66,8 @@ def text(flights: Flights, holds: Sequence[Closest] = (), bounds: Sequence[Missi
 def _row(flights: Flights, name: str) -> list[str]:
     """Returns what became of a satellite's tumbles."""
     settled, median, *_ = _became(flights.of(name, "nominal"))
-    return [name, settled, median, *_became(flights.of(name, "errors"))]
+    count, *times, again, rms, largest = _became(flights.of(name, "errors"))
+    return [name, f"{settled}, {median}", ", ".join((count, *times)), again, f"{rms}, {largest}"]
 
 
 def _became(lines: Sequence[Mapping[str, str]]) -> list[str]:
@@ -74,10 +75,10 @@ def _became(lines: Sequence[Mapping[str, str]]) -> list[str]:
     times, lost = settling_times(lines), are_lost(lines)
     well = np.isfinite(times)
     held = column(lines, "hold_rms_deg")[well]
-    spread = [f"{np.quantile(times, q, method='higher'):,.0f}" if well.any() else "–" for q in (0.5, 1.0)]
+    spread = [f"{np.quantile(times, q, method='higher'):,.0f} s" if well.any() else "–" for q in (0.5, 1.0)]
     hold = [degrees(float(f(held))) for f in (np.median, np.max)] if well.any() else ["–", "–"]
     again = f"{lost.sum()}, to {degrees(float(column(lines, 'later_max_deg')[lost].max()))}" if lost.any() else "0"
-    return [f"{well.sum()} of {len(lines)}", *(s.replace("inf", "–") for s in spread), again, *hold]
+    return [f"{well.sum()} of {len(lines)}", *(s.replace("inf s", "–") for s in spread), again, *hold]
 
 
 def _by_inclination(flights: Flights) -> list[list[str]]:

@@ -158,9 +158,9 @@ def clock(h: float) -> tuple[float, float]:
 
 def _flight(p: Pair) -> tuple[str, ...]:
     blocks = ", ".join(f"`{block}`" for block in p.blocks)
-    times = f"{p.double.settled:.1f}", f"{p.single.settled:.1f}"
-    angles = [_degrees(x) for x in (p.double.rms, p.single.rms, p.double.largest, p.single.largest, p.apart)]
-    return (blocks, f"`{p.scenario}`", *times, *angles, "met" if p.fits else "failed")
+    times = f"{p.double.settled:.1f}, {p.single.settled:.1f}"
+    rms, largest = (f"{_degrees(getattr(p.double, x))}, {_degrees(getattr(p.single, x))}" for x in ("rms", "largest"))
+    return (blocks, f"`{p.scenario}`", times, rms, largest, _degrees(p.apart), "met" if p.fits else "failed")
 
 
 def _degrees(x: float) -> str:

@@ -49,7 +49,7 @@ def test_what_becomes_of_a_flight_follows_from_what_is_left(outcome, more):
 def test_lost_flights_are_counted_by_their_satellite():
     text = page.text([one(), one(run=1, largest_deg=90.0, held_deg=90.0, others="rod_2")])
     cells = next(line for line in text.splitlines() if line.startswith("| gyro frozen |"))
-    assert cells.strip("| ").split(" | ")[1:] == ["1 of 2: coarse 1", "0", "2 of 2, 10 s", "1"]
+    assert cells.strip("| ").split(" | ")[1:] == ["1 of 2: coarse 1", "0", "2 of 2, 10 s; another 1"]
     assert "in 1 of 2 flights, of 1 of 1 kinds" in text
     assert "were held stay within 3°; the others turn at 0.1 deg/s at most" in text
 

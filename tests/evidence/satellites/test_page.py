@@ -43,14 +43,14 @@ def test_a_flight_that_leaves_the_hold_is_lost_again_and_one_that_never_settles_
         line("3U", 3, "12000", "", later_max_deg="160"),
     ]
     text = page.text(Flights(tuple(lines)))
-    assert row(text, "3U", "0 of 0")[3:] == ["2 of 4", "–", "–", "1, to 31°", "0.02°", "0.02°"]
+    assert row(text, "3U", "0 of 0, –")[2:] == ["2 of 4, –, –", "1, to 31°", "0.02°, 0.02°"]
     assert row(text, "3U", "all errors", "2")[3:] == ["1", "0", "0", "2"]
     assert "2 flights have not been looked at yet" in text
 
 
 def test_a_row_without_flights_says_so():
     text = page.text(Flights((line("1U", 0, "40", "40"),)))
-    assert row(text, "6U", "0 of 0")[3:] == ["0 of 0", "–", "–", "0", "–", "–"]
+    assert row(text, "6U", "0 of 0, –")[2:] == ["0 of 0, –, –", "0", "–, –"]
 
 
 def test_a_file_of_another_form_is_refused_with_the_command(tmp_path):
