@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import os
 import struct
-import subprocess
 import sys
 import tempfile
 import time
@@ -27,6 +26,7 @@ from .proxy import Proxy, as_they_are, datagrams, terminals
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the devices of these tests use POSIX")
 STEPS, H = 40, 0.1
 OUTPUTS = [v.name for v in load("controller").of("output")]
+NO_PORT = "link_address: expected HOST:PORT with a port from 1 to 65535, found "
 
 
 def inputs(k: int) -> dict[str, object]:
@@ -189,26 +189,14 @@ def test_a_refusal_is_told_with_the_device_s_words_however_long_they_are(said, f
 @pytest.mark.parametrize(
     ("transport", "address", "message"),
     [
-        (
-            "udp",
-            "127.0.0.1:9",
-            "device at udp 127.0.0.1:9: expected an answer within link_time_out (0.1 s), found 'no answer'",
-        ),
+        ("udp", "127.0.0.1:9", "udp 127.0.0.1:9: expected an answer within link_time_out (0.1 s), found 'no answer'"),
         ("tcp", "127.0.0.1:9", "expected a line that can be opened, found 'Connection refused'"),
-        ("tcp", "127.0.0.1", "link_address: expected HOST:PORT with a port from 1 to 65535, found '127.0.0.1'"),
-        (
-            "udp",
-            "127.0.0.1:70000",
-            "link_address: expected HOST:PORT with a port from 1 to 65535, found '127.0.0.1:70000'",
-        ),
-        (
-            "udp",
-            "127.0.0.1:0x10",
-            "link_address: expected HOST:PORT with a port from 1 to 65535, found '127.0.0.1:0x10'",
-        ),
+        ("tcp", "127.0.0.1", f"{NO_PORT}'127.0.0.1'"),
+        ("udp", "127.0.0.1:70000", f"{NO_PORT}'127.0.0.1:70000'"),
+        ("udp", "127.0.0.1:0x10", f"{NO_PORT}'127.0.0.1:0x10'"),
+        ("udp", "", f"{NO_PORT}''"),
         ("serial", "/dev/no-such-line", "expected a line that can be opened, found 'No such file or directory'"),
         ("pipe", "/tmp/no-such-line", "found 'No such file or directory'"),
-        ("udp", "", "link_address: expected HOST:PORT with a port from 1 to 65535, found ''"),
     ],
 )
 def test_a_line_without_a_device_ends_in_time_and_is_named(transport, address, message):
@@ -223,10 +211,7 @@ def test_a_line_without_a_device_ends_in_time_and_is_named(transport, address, m
 def test_no_state_is_saved_and_the_description_says_so():
     assert not link.CAPABILITIES.canGetAndSetFMUstate
     assert not link.CAPABILITIES.canSerializeFMUstate
-    with (
-        devices.instance("controller") as block,
-        pytest.raises(Refused, match="the memory of a device is out of reach"),
-    ):
+    with devices.instance("controller") as block, pytest.raises(Refused, match="memory of a device is out of reach"):
         block.call("GetFMUstate", None)
 
 
@@ -411,18 +396,3 @@ def test_free_running_keeps_the_newest_of_samples_that_come_in_another_order_and
         with pytest.raises(Refused, match="expected an answer within link_time_out"):
             flown_on(block, 20, 420)
         assert 0.3 < time.monotonic() - begin < 1.5
-
-
-# ---------------------------------------------------------------- frames
-
-
-@pytest.mark.parametrize("end", ["device", "master"])
-def test_random_frames_under_sanitizers(end):
-    from tests.native.fuzzer import compiler
-
-    from .fuzzer import fuzzer
-
-    program = fuzzer(end, compiler("system") or compiler("zig"))
-    run = subprocess.run([program, "1", "20000"], capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stdout + run.stderr
-    assert int(run.stdout.split()[0]) >= 20000

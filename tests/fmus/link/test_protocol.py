@@ -6,6 +6,8 @@ from __future__ import annotations
 import binascii
 import re
 import struct
+import subprocess
+import sys
 import zlib
 from pathlib import Path
 
@@ -200,3 +202,16 @@ def test_the_kit_s_python_ports_are_those_of_the_interface():
     assert ports.largest >= wire.frame_max(plant)
     sizes = {c: Layout(getattr(ports, f"{c}s"), 0).size for c in wire.RECORDS}
     assert sizes == {c: sum(wire.SIZES[v.type] * len(v.elements) for v in plant.of(c)) for c in wire.RECORDS}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="what it fuzzes uses POSIX")
+@pytest.mark.parametrize("end", ["device", "master"])
+def test_random_frames_under_sanitizers(end):
+    from tests.native.fuzzer import compiler
+
+    from .fuzzer import fuzzer
+
+    program = fuzzer(end, compiler("system") or compiler("zig"))
+    run = subprocess.run([program, "1", "20000"], capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert int(run.stdout.split()[0]) >= 20000
