@@ -50,8 +50,8 @@ def moving(scenario: Path, out: Path, times: Floats, q: Floats, place: Place) ->
         "name": out.stem,
         "duration": f"{steps[-1] * loaded.step:.10g} s",
         "expect": [],  # those of the scenario are about another reference
-        "blocks": {BLOCK: {"telemetry": _telemetry(f"{out.stem}.csv", header, loaded)}},
-        "connections": _connections(loaded, place),
+        "blocks": {BLOCK: {"telemetry": _telemetry(f"{out.stem}.csv", header)}},
+        "connections": _connections(loaded),
     }
     return yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=120), text.getvalue(), len(steps)
 
@@ -64,7 +64,7 @@ def _motion(times: Floats, q: Floats, at: Floats) -> tuple[Floats, Floats, Float
     return spline(at).as_matrix().reshape(-1, 9), spline(at, 1), spline(at, 2)  # both in the turning axes
 
 
-def _telemetry(file: str, header: Sequence[str], loaded: Scenario) -> dict[str, Any]:
+def _telemetry(file: str, header: Sequence[str]) -> dict[str, Any]:
     matrix = [list(header[i : i + 3]) for i in (1, 4, 7)]
     columns = {
         "R_ref": {"of": matrix},
@@ -74,7 +74,7 @@ def _telemetry(file: str, header: Sequence[str], loaded: Scenario) -> dict[str, 
     return {"file": file, "time": {"column": "t", "scale": "elapsed"}, "columns": columns}
 
 
-def _connections(loaded: Scenario, place: Place) -> list[str]:
+def _connections(loaded: Scenario) -> list[str]:
     """Those of the scenario without what has fed a reference, and those from the record."""
     takes: dict[str, str] = {}
     for name, fmu in open_fmus(loaded).items():

@@ -101,7 +101,7 @@ def gyro(ctx: click.Context, file: Path, known: Path | None, out: Path | None) -
     """
     flight, noise = read(file), Noise()
     found = symmetric(_calibrated(flight, None if known is None else _known(known)))
-    seen = spin(flight, attitudes(flight, found.field(flight.t, flight.m), flight.orbit.field_N(), noise), noise)
+    seen = spin(flight, attitudes(flight, found.field(flight.t, flight.m), flight.orbit.field_N(), noise))
     data = seen.data(noise, flight.rate_unit)
     say(f"{flight.name}: attitude {seen.attitude}", bold=True)
     degrees = math.degrees(1.0)

@@ -74,7 +74,7 @@ class Spin:
         }
 
 
-def spin(flight: Flight, found: Attitudes, noise: Noise) -> Spin:
+def spin(flight: Flight, found: Attitudes) -> Spin:
     """What the end of a flight through the bank says of the gyro."""
     mean = flight.omega.mean(axis=0)
     size = float(np.linalg.norm(mean))

@@ -68,7 +68,7 @@ def _alone(one: Any, side: str) -> Any:
 def _table(a: Table, b: Table) -> list[Table]:
     if a.columns != b.columns:
         return [_alone(a, "A"), _alone(b, "B")]
-    keys = _keys([*a.rows, *b.rows], a, b)
+    keys = _keys(a, b)
     theirs = {tuple(row[:keys]): row for row in b.rows}
     nothing = ["–"] * (len(a.columns) - keys)
     rows = []
@@ -80,7 +80,7 @@ def _table(a: Table, b: Table) -> list[Table]:
     return [Table(a.name, a.columns, rows, a.note)]
 
 
-def _keys(rows: list[list[str]], a: Table, b: Table) -> int:
+def _keys(a: Table, b: Table) -> int:
     """Returns how many first cells tell the rows of each table apart."""
     for count in range(1, len(a.columns) + 1):
         if all(len({tuple(row[:count]) for row in t.rows}) == len(t.rows) for t in (a, b)):

@@ -27,8 +27,9 @@ QUICK, LITTLE = 100.0, 0.2
 def text(flights: Sequence[Flight]) -> str:
     """Returns the page."""
     of = {row.name: [f for f in flights if f.row == row.name] for row in ROWS}
-    columns = {RODS: _rod, OTHERS: _other, SENSORS: _sensor, UNSEARCHED: _unsearched, WHEEL: _wheel}
-    rows = {table: [(row, of[row.name]) for row in ROWS if row.table == table and of[row.name]] for table in columns}
+    columns = {RODS: _rod, OTHERS: _other, SENSORS: _sensor, WHEEL: _wheel}
+    tables = (*columns, UNSEARCHED)
+    rows = {table: [(row, of[row.name]) for row in ROWS if row.table == table and of[row.name]] for table in tables}
     soon = [(row, them) for row, them in rows[SENSORS] if _is_soon(them)]
     rows[SENSORS] = [it for it in rows[SENSORS] if it not in soon]
     searched = [f for row in ROWS if row.table != UNSEARCHED for f in of[row.name]]
@@ -36,9 +37,10 @@ def text(flights: Sequence[Flight]) -> str:
     return markdown.render(
         Path(__file__).parent,
         **{
-            table: [columns[table](row, them) for row, them in (_joined(them) if table in (RODS, UNSEARCHED) else them)]
-            for table, them in rows.items()
+            table: [column(row, them) for row, them in (_joined(rows[table]) if table == RODS else rows[table])]
+            for table, column in columns.items()
         },
+        unsearched="; ".join(_unsearched(row, them) for row, them in _joined(rows[UNSEARCHED])),
         soon=_soon(soon) if soon else None,
         flown=len(flights),
         found=finite(_column(failing, "found_s")),
@@ -111,8 +113,8 @@ def _sensor(row: Row, flights: Sequence[Flight]) -> list[str]:
     return [row.text, _found(_column(flights, "found_s")), f"{held} of {len(flights)}", _hold(flights)]
 
 
-def _unsearched(row: Row, flights: Sequence[Flight]) -> list[str]:
-    return [_under(row), finite(_column(flights, "settled_s")), _hold(flights)]
+def _unsearched(row: Row, flights: Sequence[Flight]) -> str:
+    return f"{_under(row)}: {finite(_column(flights, 'settled_s'))}"
 
 
 def _wheel(row: Row, flights: Sequence[Flight]) -> list[str]:

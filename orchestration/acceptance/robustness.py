@@ -141,7 +141,7 @@ def _trials(loop: Loop, block: str, inputs: Inputs, stack: ExitStack) -> Iterato
     yield "it takes half the step", half
 
     for label, value in (("zero", 0.0), ("1e6 times as large", 1e6), ("not a number", np.nan)):
-        yield f"an input that is {label} does no harm", _bad(loop, block, inputs, value, stack)
+        yield f"an input that is {label} does no harm", _bad(loop, block, inputs, value)
 
     def quick() -> tuple[str, str]:
         bench = Bench(loop, block, stack)
@@ -157,7 +157,7 @@ def _trials(loop: Loop, block: str, inputs: Inputs, stack: ExitStack) -> Iterato
     yield "the 99th percentile of a step is below its length", quick
 
 
-def _bad(loop: Loop, block: str, inputs: Inputs, value: float, stack: ExitStack) -> Tried:
+def _bad(loop: Loop, block: str, inputs: Inputs, value: float) -> Tried:
     """Each input in turn is so from the middle of the play on."""
 
     def trial() -> tuple[str, str]:

@@ -36,7 +36,7 @@ def sort(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring, feedth
     graphs: list[Graph] = []
     for what in ("feedthrough", "initial"):
         graph = _graph(models, sources, what, feedthrough)
-        _refuse_loops(scenario, graph, models, sources, "in initialization " if what == "initial" else "")
+        _refuse_loops(scenario, graph, sources, "in initialization " if what == "initial" else "")
         warnings += _drop_assumed_loops(graph)
         graphs.append(graph)
     direct, initial = graphs
@@ -69,9 +69,7 @@ def _needs(
 # ---------------------------------------------------------------- algebraic loops
 
 
-def _refuse_loops(
-    scenario: Scenario, graph: Graph, models: Mapping[str, Model], sources: Mapping[Node, Node], when: str
-) -> None:
+def _refuse_loops(scenario: Scenario, graph: Graph, sources: Mapping[Node, Node], when: str) -> None:
     declared = {node: [n for n, sure in needs.items() if sure] for node, needs in graph.items()}
     for group in components(declared):
         if len(group) == 1 and group[0] not in declared[group[0]]:

@@ -24,7 +24,7 @@ def test_field_and_gyro_find_the_attitude_through_a_wrong_scale_and_bias(flown):
     flight, R, _, omega, found = flown
     assert found.unique.any(), found.verdict()
     assert np.degrees(angle(R, found.R)[-300:]).max() < 5.0
-    seen = spin(flight, found, NOISE)
+    seen = spin(flight, found)
     axis = omega / np.linalg.norm(omega)
     true = (flight.omega.mean(axis=0) - omega) @ axis
     assert abs(seen.along - true) < 1e-3  # rad/s, of 0.013

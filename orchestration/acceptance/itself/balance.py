@@ -41,7 +41,7 @@ def balance(of: Signals, turning: bool, falling: bool, field_N: Floats | None) -
         yield from (Trial(name, "", why or "its inertia is not told") for name in NAMES[1:])
         return
     parts = _parts(of, falling)
-    yield (held := _momentum(of, parts, field_N))
+    yield (held := _momentum(parts, field_N))
     yield _energy(of, parts) if held.status == "met" else Trial(NAMES[2], "", "its momentum does not")
 
 
@@ -138,7 +138,7 @@ def _dipoles(of: Signals) -> Floats:
     return np.clip(of.values["dipole_cmd"], -most, most)[1:] * of.parameter("rod_gain", np.ones(3))
 
 
-def _momentum(of: Signals, parts: _Parts, field_N: Floats | None) -> Trial:
+def _momentum(parts: _Parts, field_N: Floats | None) -> Trial:
     body, wheels, rods, rest = parts.body, parts.wheels, parts.rods.sum(axis=2), parts.rest
     scale = max(rms(body), rms(wheels), rms(rods)) or 1e-300
     off = body + wheels - rods - rest

@@ -83,7 +83,7 @@ def mend(ours: Source, theirs: Source, block: str, seconds: float = SECONDS) -> 
             declared = fit.links[name].theirs[0]
             unit = fit.theirs.variables[declared.variable].at([declared.position]).unit
             factor = unit.factor if unit is not None and unit.exponents is not None else found.ports[name].unit.factor
-            data["ports"][name] = _mended(entry, found.ports[name], wrong, causality, factor)
+            data["ports"][name] = _mended(entry, found.ports[name], wrong, factor)
     left = None
     if behaves:
         left, _ = flown(theirs.with_entry(("blocks", block, "map"), data))
@@ -116,7 +116,7 @@ def _data(entry: PortMap) -> dict[str, Any]:
     return kept | {"theirs": names[0] if len(names) == 1 else names}
 
 
-def _mended(entry: PortMap, port: Port, change: Wrong, causality: str, declared: float) -> dict[str, Any]:
+def _mended(entry: PortMap, port: Port, change: Wrong, declared: float) -> dict[str, Any]:
     """Returns the entry of a port with a change in it: of what is handed to theirs, or of an output of theirs."""
     data = _data(entry)
     if entry.quaternion is not None:
