@@ -31,7 +31,10 @@ def text(flights: Sequence[Flight]) -> str:
     lost = [f for f in failing if f.outcome == "lost"]
     return markdown.render(
         Path(__file__).parent,
-        rows=[_line(which, of) for which in dict.fromkeys(kind(row) for row in ROWS if of[row.name])],
+        rows=[
+            _line(which, of)
+            for which in dict.fromkeys(kind(row) for row in ROWS if of[row.name] and row.text != NOTHING)
+        ],
         head=HEAD,
         flown=len(failing),
         lost=len(lost),

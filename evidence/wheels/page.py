@@ -94,7 +94,7 @@ def _rows(flown: Sequence[Flown], satellite: str) -> list[list[str]]:
         settled = [f for f in those if f.settled]
         share = f"{max(x.wheel_share for x in settled):.2f}" if settled else "–"
         settling = ", ".join([_count(those), *_times(those)])
-        rows.append([satellite, condition.text, settling, ", ".join(_holds(settled)), share])
+        rows.append([satellite, name, settling, ", ".join(_holds(settled)), share])
     return rows
 
 
@@ -130,9 +130,8 @@ def _slews(slews: Sequence[Slew], satellite: str) -> list[str]:
         angle: [one.ratio for one in slews if (one.satellite, one.angle) == (satellite, angle)] for angle in ANGLES
     }
     every = [ratio for those in ratios.values() for ratio in those]
-    within = f"{sum(ratio <= WITHIN for ratio in every)} of {len(every)}"
     medians = [f"{_median(those):.2f}" if those else "–" for those in ratios.values()]
-    return [satellite, within, *medians, f"{max(every, default=math.nan):.2f}".replace("inf", "–")]
+    return [satellite, *medians, f"{max(every, default=math.nan):.2f}".replace("inf", "–")]
 
 
 def _median(values: Any) -> float:
