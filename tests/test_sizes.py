@@ -50,3 +50,8 @@ def test_only_a_long_file_says_so() -> None:
         if "Longer than 250 lines: " in path.read_text("utf-8")
     }
     assert said <= set(LONG)
+
+
+def test_a_file_of_tests_has_at_most_400_lines() -> None:
+    files = (ROOT / "tests").rglob("test_*.py")
+    assert [path.name for path in files if len(path.read_text("utf-8").splitlines()) > 400] == []

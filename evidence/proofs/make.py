@@ -118,6 +118,7 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
     rounds = proved(r.rounds for _, r in results)
     missing = [name for name in FLIGHT if name not in blocks]
     coverage = rows_of_coverage(FLIGHT, results)
+    whole = [row for row in coverage if row[2:] == ("0", "none")]
     stacks = [bounds_of(name) for name in FLIGHT]
     listed = [places for _, _, places in deviations()]
     PAGE.write_text(
@@ -136,7 +137,8 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
             before=max(b.stack[call] for b in stacks for call in BEFORE),
             loops=rows_of_loops(FLIGHT, {loop for loop, holds in rounds.items() if holds}),
             rounds=f"{sum(rounds.values())} of {len(rounds)}",
-            coverage=coverage,
+            coverage=[row for row in coverage if row not in whole],
+            whole=", ".join(f"{row[0]} ({row[1]})" for row in whole),
             findings=sum(sum(places.values()) for places in listed),
             broken=len(listed),
             years=f"{TIME_MAX / 3.156e7:.0f}",

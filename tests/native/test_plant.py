@@ -124,3 +124,17 @@ def test_sensors_that_sample_more_than_a_billion_times_in_a_step_are_refused() -
         with pytest.raises(Refused, match="sensor_period: expected at least 1e-09 of the communication step"):
             it.step(0.0, 1001.0)
         it.step(0.0, 1.0)
+
+
+@pytest.mark.parametrize(("axis", "area"), [("x", 2.0 * (math.sqrt(2.0) - 1.0) * 0.6**2), ("z", 0.6 * 1.5)])
+def test_drag_of_an_octagonal_cylinder_end_on_and_side_on_is_that_of_its_projected_area(axis: str, area: float) -> None:
+    """Momentum of the air that strikes a regular octagon, or a rectangle, about a centre of mass off the flow's line;
+    over the equator the air turns along the orbit, with the Earth."""
+    centre = np.array([0.02, 0.05, -0.03])
+    body = {"body_axis": axis, "body_width": 0.6, "body_length": 1.5, "center_of_mass_B": centre}
+    with started(inclination=0.0, Q0=np.eye(3), drag_coefficient=2.2, drag_factor=1.0, **body) as it:
+        r, v, R = (np.array(it.get(name)) for name in ("r_N", "v_N", "R_NB"))
+        flow = R.reshape(3, 3).T @ (v - np.cross([0.0, 0.0, 7.292115e-5], r))
+        assert abs(flow[0]) == pytest.approx(np.linalg.norm(flow), rel=1e-9)
+        expected = 0.5 * it.get("density") * 2.2 * area * np.linalg.norm(flow) * np.cross(centre, flow)
+        np.testing.assert_allclose(it.get("tau_drag_B"), expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
