@@ -85,7 +85,6 @@ pil: $(VENV)/test
 prove: $(VENV)/test
 	$(BIN)/python -m evidence proofs
 	$(BIN)/python -m evidence planted
-	$(BIN)/python -m evidence rules
 
 # Requirements with the code, tests, scenarios and proofs that name them: out/trace/trace.html, trace.csv and trace.reqif; an error where one lacks evidence.
 trace: $(VENV)/test

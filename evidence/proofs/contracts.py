@@ -35,11 +35,9 @@ class Contract:
     file: str
     functions: tuple[str, ...]
     block: str
-    left: frozenset[str] = frozenset()
-    """Goals that z3 is known not to prove; they are counted as not proved, and are no alarms."""
 
     def prove(self, folder: Path, root: Path = PACKAGES) -> Result:
-        """WP on the file in `root`, in `folder`: an alarm is a goal that z3 does not prove, but for those of `left`.
+        """WP on the file in `root`, in `folder`: an alarm is a goal that z3 does not prove.
 
         `root`: a copy of the packages, with changes. Raises InputError where a program is missing or fails.
         """
@@ -67,9 +65,7 @@ class Contract:
         left = re.findall(r"Goal (\w+) : (?!Valid)\w+", done.stdout)
         if len(left) != int(proved[2]) - int(proved[1]):
             raise InputError(f"{self.file}: {proved[0]}, but these are named: {left}; remedy: Frama-C 25")
-        alarms = tuple(
-            Alarm(Path(self.file).name, 0, self._function(goal), "goal", goal) for goal in left if goal not in self.left
-        )
+        alarms = tuple(Alarm(Path(self.file).name, 0, self._function(goal), "goal", goal) for goal in left)
         return Result(alarms, int(proved[1]), (int(proved[1]), int(proved[2])), time.monotonic() - began)
 
     def _function(self, goal: str) -> str:
@@ -80,7 +76,11 @@ def _finite(name: str) -> Contract:
     """The generated guard of a block, and that its outputs leave through it."""
     block = Block.named(name)
     code, folder = block.interface.code, block.folder.relative_to(PACKAGES).as_posix()
-    inner = {"allocator": ("remember",), "controller": ("outputs_of",), "controller_planned": ("give",)}
+    inner = {
+        "allocator": ("remember",),
+        "controller": ("outputs_of",),
+        "controller_planned": ("bring_within", "is_command", "are_commands", "controller_planned_give", "give"),
+    }
     functions = (*SHARED, f"{code}_refuse", f"{code}_guard", *inner.get(code, ()), f"{code}_outputs", f"{code}_step")
     return Contract(f"guard, {name}", f"{folder}/native/{code}.c", functions, name)
 
@@ -89,17 +89,16 @@ SHARED = ("is_number", "run_finite", "not_finite")
 CONTRACTS = (
     *map(_finite, ("allocator", "allocator_bounded", "allocator_bounded_wheels", "controller", "controller_wheels")),
     *map(_finite, ("controller_planned", "controller_planned_wheels", "supervisor", "estimator", "estimator_wheels")),
-    Contract(
-        "limits, planned",
-        "controller/planned/native/decide/guard.c",
-        ("is_command", "bring_within", "controller_planned_limits"),
-        "controller_planned",
-    ),
 )
 BY_WP = frozenset(
     (file, name)
     for contract in CONTRACTS
     for name in contract.functions
-    for file in (Path(contract.file).name, "finite.h", f"{Block.named(contract.block).interface.code}_guard.h")
+    for file in (
+        Path(contract.file).name,
+        "finite.h",
+        "guard.h",
+        f"{Block.named(contract.block).interface.code}_guard.h",
+    )
 )
 """File and function of what is proved here and not by Eva."""

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 
-from fmus.native.generate import ports_header
+from fmus.native import generated_sources
 
 from ..paper import ROOT
 from .analysis import FLAGS, Alarm, Result
@@ -39,16 +39,12 @@ def _digest(subject: Subject) -> str:
     how = f"{subject.span} {subject.definitions()} {subject.words()} {FLAGS} {sorted(BY_WP)}"
     digest = hashlib.sha256(f"{how} {reached().get(subject.title)}".encode())
     if (block := subject.block) is not None:
-        digest.update("".join(ports_header(block.interface).values()).encode())
+        digest.update(str(sorted(generated_sources(block.interface, block.folder).items())).encode())
         if subject.span:
             digest.update(harness(block.interface, subject.span).encode())
-    own = [
-        HERE / "prelude.h",
-        HERE / "loops.yaml",
-        HERE / "rounds.py",
-        *([] if subject.span else [HERE / f"{subject.name}.c"]),
-    ]
-    for path in [*_sources(subject), *own]:
+    own = ("prelude.h", "loops.yaml", "rounds.py", "analysis.py", "subjects.py")
+    program = () if subject.span else (f"{subject.name}.c",)
+    for path in [*_sources(subject), *(HERE / name for name in (*own, *program))]:
         digest.update(path.read_bytes())
     return digest.hexdigest()
 

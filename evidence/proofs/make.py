@@ -14,6 +14,7 @@ from orchestration.cli.console import say
 from .. import markdown
 from ..paper import ROOT
 from ..tools import side_by_side
+from . import rules
 from .analysis import Result
 from .argued import arguments, stale, unproved
 from .bounds import bounds_of
@@ -25,7 +26,6 @@ from .harness import STEP_MAX, TIME_MAX
 from .kept import FOLDER, result_of
 from .loops import rows as rows_of_loops
 from .rounds import proved
-from .rules import deviations
 from .subjects import CALLS, HERE, REACHED, SUBJECTS, Subject
 
 PAGE = ROOT / "docs" / "evidence" / "proofs.md"
@@ -88,7 +88,9 @@ def prove_contracts() -> list[tuple[Contract, Result]]:
 
 
 def make(names: Sequence[str]) -> Path | None:
-    """Proves, and writes the page where all was proved. `contracts` is one of the names."""
+    """Proves, and writes the page where all was proved, and the rules hold. `contracts` is one of the names."""
+    if not names:
+        say(f"{rules.check().total()} findings of rules, all as in {rules.FILE.name}")
     results = [] if tuple(names) == ("contracts",) else prove([name for name in names if name != "contracts"])
     contracts = prove_contracts() if not names or "contracts" in names else []
     if names:
@@ -120,7 +122,7 @@ def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple
     coverage = rows_of_coverage(FLIGHT, results)
     whole = [row for row in coverage if row[2:] == ("0", "none")]
     stacks = [bounds_of(name) for name in FLIGHT]
-    listed = [places for _, _, places in deviations()]
+    listed = [places for _, _, places in rules.deviations()]
     PAGE.write_text(
         markdown.render(
             HERE,

@@ -22,9 +22,10 @@ from orchestration import InputError
 from orchestration.cli.console import say
 
 from ..tools import tool
+from .coverage import FLIGHT
 from .subjects import ELEMENTARY, HERE
 
-BLOCKS = ("allocator", "allocator_bounded", "controller", "supervisor", "estimator", "controller_planned")
+BLOCKS = FLIGHT
 ADVISORY = frozenset(
     "2.3 2.4 2.5 2.6 2.7 4.2 5.9 8.7 8.9 8.11 8.13 10.5 11.4 11.5 12.1 12.3 12.4 13.3 13.4 15.1 15.4 15.5 17.5 "
     "17.8 18.4 "
@@ -33,6 +34,8 @@ ADVISORY = frozenset(
 """Rules of MISRA C:2012 that are not required; they are not asked for."""
 CHECKS = "-*,bugprone-*,cert-*,-bugprone-easily-swappable-parameters"
 """Vectors and angles in a row are what the code is about."""
+
+FILE = HERE / "deviations.yaml"
 
 Found = Counter[tuple[str, str]]
 """How many of each rule in each file."""
@@ -96,7 +99,7 @@ def _output(command: list[str]) -> str:
 
 def deviations() -> list[tuple[str, str, dict[str, int]]]:
     """Rule, reason, and how many in which file: those of deviations.yaml."""
-    entries = yaml.safe_load((HERE / "deviations.yaml").read_text("utf-8"))
+    entries = yaml.safe_load(FILE.read_text("utf-8"))
     return [(e["rule"], e["reason"], e["places"]) for e in entries]
 
 

@@ -1,8 +1,9 @@
 """The matrix of requirements: which code, tests, scenarios and proofs name each, as a page, a table and ReqIF.
 
 Code says `Requirement: CT-1.`, evidence `Shows CT-1.`: in a docstring, or in the comment at the head of C and YAML.
-Any other mention counts for nothing, nor does a test that is always skipped. A requirement on what flies needs C, and
-each a test or a proof.
+Any other mention counts for nothing. That of a module of tests counts where none of its tests is always skipped, that
+of a proof where the proofs' make.py imports it, that of C where there is a function or a value. A requirement on what
+flies needs C, and each a test or a proof.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import yaml
 from orchestration import InputError
 
 from ..paper import ROOT
+from ..proofs.coverage import without_comments
 from . import reqif
 
 FILE = Path(__file__).with_name("requirements.yaml")
@@ -81,7 +83,22 @@ def matrix(known: dict[str, Requirement], root: Path = ROOT) -> tuple[list[Requi
 
 def _files(root: Path, folders: Sequence[str], names: Sequence[str]) -> Iterator[Path]:
     found = {path for folder in folders for name in names for path in (root / folder).rglob(name)}
+    if folders == KINDS["proofs"][0]:
+        found &= _imported(root / folders[0] / "make.py")
     yield from sorted(path for path in found if "trace" not in path.parts)
+
+
+def _imported(path: Path) -> set[Path]:
+    """The module and those of its folder that it imports, and they in turn."""
+    found, left = set[Path](), [path]
+    while left:
+        if (one := left.pop()).is_file() and one not in found:
+            found.add(one)
+            nodes = [n for n in ast.walk(ast.parse(one.read_text("utf-8"))) if isinstance(n, ast.ImportFrom)]
+            near = [n for n in nodes if n.level == 1]
+            names = [name for n in near for name in ([n.module] if n.module else [a.name for a in n.names])]
+            left += [one.with_name(f"{name}.py") for name in names]
+    return found
 
 
 def _named(kind: str, path: Path) -> set[str]:
@@ -93,22 +110,28 @@ def _named(kind: str, path: Path) -> set[str]:
 
 
 def _head(path: Path) -> Iterator[str]:
-    """The comment at the head of a file of C, or the lines of comment before a scenario's first key."""
+    """The comment at the head of a file of C that has more, or the comment before a scenario's first key."""
     text = path.read_text("utf-8")
-    head = r"/\*.*?\*/" if path.suffix in (".c", ".h") else r"(?:#[^\n]*\n)+"
-    if found := re.match(head, text, re.DOTALL):
+    is_c = path.suffix in (".c", ".h")
+    if is_c and not re.search(r"[;}]", re.sub(r"#[^\n]*", "", without_comments(path))):
+        return
+    if found := re.match(r"/\*.*?\*/" if is_c else r"(?:#[^\n]*\n)+", text, re.DOTALL):
         yield found[0].replace("*/", "\n")
 
 
 def _docstrings(path: Path) -> Iterator[str]:
-    """Of the module, its classes and functions; in a file of tests only of those that are not always skipped."""
+    """Of the module, its classes and functions; in a file of tests of those that are not always skipped, and of the
+    module where all are such."""
     tree = ast.parse(path.read_text("utf-8"))
     parts = [node for node in ast.walk(tree) if isinstance(node, (ast.ClassDef, ast.FunctionDef))]
     if path.name.startswith("test_"):
-        parts = [node for node in tree.body if isinstance(node, ast.FunctionDef) and _tests(node)]
+        named = [n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name.startswith("test_")]
+        parts = [node for node in named if _tests(node)]
         aside = [ast.unparse(node) for node in tree.body if not isinstance(node, (ast.FunctionDef, ast.ClassDef))]
         if not parts or any(map(_SKIPS.search, aside)):
             return
+        if len(parts) < len(named):
+            tree.body = tree.body[1:]  # without its docstring
     yield from (text for node in (tree, *parts) if (text := ast.get_docstring(node)))
 
 
@@ -116,11 +139,11 @@ _SKIPS = re.compile(r"\bmark\.(?:skip|xfail)\b|\bmark\.skipif\(True\b|\bunittest
 
 
 def _tests(node: ast.FunctionDef) -> bool:
-    """Whether pytest runs it as a test, whatever is there, and it does something."""
+    """Whether pytest runs this test, whatever is there, and it does something."""
     body = node.body[ast.get_docstring(node) is not None :]
     said = [ast.unparse(part) for part in (*node.decorator_list, *body)]
     does = any(ast.unparse(part) not in ("pass", "...", "assert True") for part in body)
-    return node.name.startswith("test_") and does and not any(map(_SKIPS.search, said))
+    return does and not any(map(_SKIPS.search, said))
 
 
 def write(rows: Sequence[Requirement], folder: Path = OUT) -> Path:

@@ -3,9 +3,9 @@
 
 #include <string.h>
 
+#include "decide/guard.h"
 #include "decide/phases.h"
 #include "plan/rods_alone.h"
-#include "controller_planned_guard.h"
 #include "reference.h"
 
 static const Motion NO_REFERENCE = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, {0.0, 0.0, 0.0}, 0.0};
@@ -38,14 +38,14 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     controller_planned_command(law, x, u, &now, x->u, &x->held);
 }
 
-/* What leaves the block, through the guards. */
-/*@ requires \separated(y, f);
-    CONTROLLER_PLANNED_FINITE */
+/* What leaves the block. */
+/*@ requires \separated(law, y, f);
+    assigns y->dipole_ff[0 .. 2], y->wheel_torque_ff, *f;
+    CONTROLLER_PLANNED_FINITE
+    COMMANDS_WITHIN(law->limits) */
 static bool give(const ControllerPlannedLaw *law, ControllerPlannedOutputs *y, Fault *f)
 {
-    double rod_limits[3];
-    store(controller_planned_rod_dipoles(&law->p), rod_limits);
-    return controller_planned_limits(rod_limits, law->p.wheel_torque_max, y, f) && controller_planned_guard(y, f);
+    return controller_planned_give(law->limits, y, f);
 }
 
 /* Of the orbit through position and velocity, or of a low one where they give none. */
@@ -144,8 +144,9 @@ bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlanned
     return controller_planned_inputs_fit(u, law->p.gravitational_parameter, f) && begin(law, u, x, f);
 }
 
-/*@ requires \separated(x, y, f);
-    CONTROLLER_PLANNED_FINITE */
+/*@ requires \separated(law, x, y, f);
+    CONTROLLER_PLANNED_FINITE
+    COMMANDS_WITHIN(law->limits) */
 bool controller_planned_outputs(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
                                 const ControllerPlannedInputs *u, ControllerPlannedOutputs *y, Fault *f)
 {
@@ -166,8 +167,9 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
     return give(law, y, f);
 }
 
-/*@ requires \separated(x, y, f);
-    CONTROLLER_PLANNED_FINITE */
+/*@ requires \separated(law, x, y, f);
+    CONTROLLER_PLANNED_FINITE
+    COMMANDS_WITHIN(law->limits) */
 bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u,
                              double h, ControllerPlannedOutputs *y, Fault *f)
 {

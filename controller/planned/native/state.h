@@ -72,6 +72,7 @@ typedef struct {
     Matrix R_d0;     /* projected onto SO(3) */
     Matrix rod_axes; /* rows, unit */
     Vector wheel_axis;
+    double limits[CONTROLS]; /* A m2 of each rod, N m of the wheel */
     OnboardField field;
     double field_tolerance; /* T, of a measured field to that of the model */
     Workspace workspace;
@@ -162,9 +163,5 @@ ControllerPlannedOutputs controller_planned_without_attitude(const ControllerPla
 void controller_planned_command(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
                                 const ControllerPlannedInputs *u, const Motion *now, double controls[CONTROLS],
                                 ControllerPlannedOutputs *y);
-
-/* The last look at the commands: each is brought within its limit, A m2 and N m, and refused where it is no finite
- * number. */
-bool controller_planned_limits(const double rod_limits[3], double torque_max, ControllerPlannedOutputs *y, Fault *f);
 
 #endif

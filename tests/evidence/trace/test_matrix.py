@@ -14,9 +14,19 @@ from evidence.trace.matrix import Requirement, make, matrix, requirements, write
 from orchestration import InputError
 
 
+PROOFS = "evidence/proofs"
+
+
 def planted(tmp_path, **files):
     """A project of files, such as `code_a`, `c_a`, `test_a`, `proof_a` and `flown_a`, and one requirement."""
-    folders = {"code": "allocator", "c": "allocator", "test": "tests", "proof": "evidence/proofs", "flown": "scenarios"}
+    folders = {
+        "code": "allocator",
+        "c": "allocator",
+        "test": "tests",
+        "proof": PROOFS,
+        "make": PROOFS,
+        "flown": "scenarios",
+    }
     for name, text in files.items():
         kind = name.partition("_")[0]
         folder = tmp_path / folders[kind]
@@ -26,6 +36,7 @@ def planted(tmp_path, **files):
 
 
 C = "/* A wheel. Requirement: ZZ-1. Tests: a.py. */\nint x;\n"
+OF_ALL = "'''Of all.\n\nShows ZZ-1.\n'''\n"
 SHOWN = "def test_it():\n    '''It turns.\n\n    Shows ZZ-1.\n    '''\n    assert turned()\n"
 
 
@@ -53,7 +64,8 @@ def test_a_planted_requirement_without_a_test_is_named(tmp_path, monkeypatch):
         ({"code_a": "'''Requirement: ZZ-1.'''", "test_a": SHOWN}, "code in C"),
         ({"c_a": "int x; /* Requirement: ZZ-1. */\n", "test_a": SHOWN}, "code in C"),
         ({"c_a": "/* ZZ-1 is to be written. */\n", "test_a": SHOWN}, "code in C"),
-        ({"c_a": "/* Much more.\n * Requirements: AB-1, ZZ-1. Tests: a.py. */\n", "test_a": SHOWN}, ""),
+        ({"c_a": "/* More.\n * Requirements: AB-1, ZZ-1. Tests: a.py. */\nint x;\n", "test_a": SHOWN}, ""),
+        ({"c_a": C.replace("int x;", '#include "x.h"'), "test_a": SHOWN}, "code in C"),
         ({"c_a": C, "test_a": "# Shows ZZ-1.\n" + SHOWN.replace("Shows", "Not yet:")}, "a test or a proof"),
         ({"c_a": C, "test_a": SHOWN.replace("ZZ-1", "ZZ-10")}, "a test or a proof"),
         ({"c_a": C, "test_a": "@pytest.mark.skip\n" + SHOWN}, "a test or a proof"),
@@ -71,7 +83,13 @@ def test_a_planted_requirement_without_a_test_is_named(tmp_path, monkeypatch):
         ({"c_a": C, "test_a": SHOWN.replace("    assert turned()\n", "")}, "a test or a proof"),
         ({"c_a": C, "test_a": "def helper():\n    def test_it():\n        '''Shows ZZ-1.'''\n"}, "a test or a proof"),
         ({"c_a": C, "test_a": "@pytest.mark.skipif(no_compiler)\n" + SHOWN}, ""),
-        ({"c_a": C, "proof_a": "'''Of all.\n\nShows ZZ-1.\n'''\n"}, ""),
+        ({"c_a": C, "test_a": f"{OF_ALL}def test_a():\n    assert turned()\n"}, ""),
+        (
+            {"c_a": C, "test_a": f"{OF_ALL}def test_a():\n    assert turned()\ndef test_b():\n    pytest.skip()\n"},
+            "a test or a proof",
+        ),
+        ({"c_a": C, "proof_a": OF_ALL, "make": "from .other import of\n"}, "a test or a proof"),
+        ({"c_a": C, "proof_a": OF_ALL, "make": "from . import proof_b\n", "proof_b": "from .proof_a import of\n"}, ""),
     ],
 )
 def test_a_requirement_needs_c_and_a_test_or_a_proof_that_says_so(tmp_path, files, lacks):
