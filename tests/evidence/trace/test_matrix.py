@@ -13,7 +13,6 @@ from evidence.trace import reqif
 from evidence.trace.matrix import Requirement, make, matrix, requirements, write
 from orchestration import InputError
 
-
 PROOFS = "evidence/proofs"
 
 
