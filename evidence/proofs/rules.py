@@ -25,7 +25,6 @@ from ..tools import tool
 from .coverage import FLIGHT
 from .subjects import ELEMENTARY, HERE
 
-BLOCKS = FLIGHT
 ADVISORY = frozenset(
     "2.3 2.4 2.5 2.6 2.7 4.2 5.9 8.7 8.9 8.11 8.13 10.5 11.4 11.5 12.1 12.3 12.4 13.3 13.4 15.1 15.4 15.5 17.5 "
     "17.8 18.4 "
@@ -45,15 +44,15 @@ def findings() -> Found:
     """Of both tools, in files of this project. Raises InputError where one is not installed."""
     found: Found = Counter()
     with tempfile.TemporaryDirectory() as temporary:
-        for name in BLOCKS:
-            block = Block.named(name)
-            for header, text in generated_sources(block.interface, block.folder).items():
-                Path(temporary, header).write_text(text, "utf-8")
         places = set[tuple[str, str, str]]()
-        for name in BLOCKS:
-            folders = natives(Block.named(name).folder)
-            include = [f"-I{path}" for path in (*folders, COMMON, temporary)]
-            places |= _of_tools(sorted(folders[0].rglob("*.c")), include, temporary)
+        for name in FLIGHT:
+            block, own = Block.named(name), Path(temporary, name)
+            own.mkdir()
+            for header, text in generated_sources(block.interface, block.folder).items():
+                (own / header).write_text(text, "utf-8")
+            folders = natives(block.folder)
+            include = [f"-I{path}" for path in (*folders, COMMON, own)]
+            places |= _of_tools(sorted(folders[0].rglob("*.c")), include, str(own))
         places |= _of_tools([NATIVE / "frame.c", ELEMENTARY], [f"-I{NATIVE}"], temporary)
     found.update((rule, file) for rule, file, _ in places)
     return found

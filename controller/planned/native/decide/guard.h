@@ -11,10 +11,10 @@
 #ifdef __FRAMAC__
 /* clang-format off */
 #define COMMANDS_WITHIN(limits) \
-    ensures \result ==> is_within(y->dipole_ff[0], limits[0]); \
-    ensures \result ==> is_within(y->dipole_ff[1], limits[1]); \
-    ensures \result ==> is_within(y->dipole_ff[2], limits[2]); \
-    ensures \result ==> is_within(y->wheel_torque_ff, limits[3]);
+    ensures \result ==> is_within(y->dipole_ff[0], (limits)[0]); \
+    ensures \result ==> is_within(y->dipole_ff[1], (limits)[1]); \
+    ensures \result ==> is_within(y->dipole_ff[2], (limits)[2]); \
+    ensures \result ==> is_within(y->wheel_torque_ff, (limits)[3]);
 /* clang-format on */
 #endif
 
@@ -24,7 +24,8 @@ static inline void bring_within(double *command, double limit)
 {
     if (is_number(*command) && *command > limit) {
         *command = limit;
-    } else if (is_number(*command) && *command < -limit) {
+    }
+    if (is_number(*command) && *command < -limit) {
         *command = -limit;
     }
 }
