@@ -1,13 +1,15 @@
-"""Programs of the machine that an evidence command calls.
+"""Programs of the machine that an evidence command calls, and the text of what they read.
 
 Tests: tests/evidence/test_tools.py.
 """
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import TypeVar
 
 from orchestration import InputError
@@ -42,3 +44,8 @@ def side_by_side(call: Callable[[A], B], items: Iterable[A]) -> Iterator[B]:
     """The results of calls that wait for a program, two at a time, in the order of the items."""
     with ThreadPoolExecutor(2) as pool:
         yield from pool.map(call, items)
+
+
+def without_comments(path: Path) -> str:
+    """The text of a file of C."""
+    return re.sub(r"[ \t]*(?:/\*.*?\*/|//[^\n]*)", "", path.read_text("utf-8"), flags=re.DOTALL)

@@ -17,8 +17,9 @@ import yaml
 from fmus.places import PACKAGES
 from orchestration import InputError
 
+from ..tools import without_comments
 from .analysis import Alarm
-from .coverage import FLIGHT, defined, parts, without_comments
+from .coverage import FLIGHT, defined, parts
 from .rounds import closing
 
 FILE = Path(__file__).with_name("arguments.yaml")

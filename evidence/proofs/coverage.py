@@ -14,6 +14,7 @@ from fmus.block import Block
 from fmus.link import NATIVE
 from fmus.native import COMMON
 
+from ..tools import without_comments
 from .analysis import Result
 from .subjects import ELEMENTARY, Subject
 
@@ -40,11 +41,6 @@ NAMED = 20
 def defined(path: Path) -> set[str]:
     """The functions that a file of C defines; one that stands in both branches of an #if once."""
     return set(_DEFINITION.findall(without_comments(path)))
-
-
-def without_comments(path: Path) -> str:
-    """The text of a file of C."""
-    return re.sub(r"[ \t]*(?:/\*.*?\*/|//[^\n]*)", "", path.read_text("utf-8"), flags=re.DOTALL)
 
 
 def reached(result: Result) -> Counter[str]:

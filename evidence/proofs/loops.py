@@ -15,7 +15,8 @@ from pathlib import Path
 from fmus.places import PACKAGES
 from orchestration import InputError
 
-from .coverage import parts, without_comments
+from ..tools import without_comments
+from .coverage import parts
 from .rounds import CHANGES, FILE, bounds, closing, has_or
 
 _CONSTANT = r"-?[A-Z_0-9]+(?: [-+*] [A-Z_0-9]+)*"

@@ -21,7 +21,7 @@ import yaml
 from orchestration import InputError
 
 from ..paper import ROOT
-from ..proofs.coverage import without_comments
+from ..tools import without_comments
 from . import reqif
 
 FILE = Path(__file__).with_name("requirements.yaml")
