@@ -37,7 +37,7 @@ PARTS = {
 """By the name of a set of sensors: its template, and the files of scenarios/sensors that it extends."""
 
 
-def _template() -> template.Template:
+def templates() -> template.Template:
     return template.read(places.shared("scenarios") / "templates" / "satellite")
 
 
@@ -46,7 +46,7 @@ class _Command(click.Command):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Values; in brackets what holds if they are not given"):
-            formatter.write_dl(_template().listed())
+            formatter.write_dl(templates().listed())
         super().format_epilog(ctx, formatter)
 
 
@@ -64,7 +64,7 @@ def command(folder: Path | None, sets: tuple[str, ...], interactive: bool) -> No
     Without --set NAME=VALUE the command says which values it needs. The files have each value as it was given, and in a
     comment what follows from it. What is not plausible is named, and written all the same.
     """
-    found, given = _template(), settings(sets)
+    found, given = templates(), settings(sets)
     if interactive:
         given = asked(found, given)
     fill(found, folder or Path("satellite"), given)

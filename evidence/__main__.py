@@ -239,8 +239,9 @@ def satellites(jobs: int, cases: int, page: bool, bounds: bool) -> None:
     "--part",
     default="tumbles",
     show_default=True,
-    type=click.Choice(["tumbles", "slews", "long"]),
-    help="Slews: --cases of each angle. Long: a day at a ground station, 100 orbits of hold.",
+    type=click.Choice(["tumbles", "slews", "long", "telemetry"]),
+    help="Slews: --cases of each angle. Long: a day at a ground station, 100 orbits of hold. Telemetry: --cases with "
+    "three and with four wheels, and as many of wheels that fail.",
 )
 @_page
 def wheels(jobs: int, cases: int, rows: tuple[str, ...], part: str, page: bool) -> None:

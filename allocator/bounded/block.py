@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ class State:
 
     t: float
     watch: Array | None = None
-    """(5, 4) of a set, the rows of its `Watch`: what its wheels have given of their commands."""
+    """(6, 4) of a set, the rows of its `Watch`: what its wheels have given of their commands."""
 
 
 @dataclass(frozen=True)
@@ -57,12 +57,15 @@ class Outputs:
     tau_residual_B: Array
     b_wheel: OfWheels
     wheel_failed: OfWheels = False
+    h_w_failed: OfWheels = False
+    """Never: this flavour believes h_w."""
+    h_w_estimate: OfWheels = 0.0
 
 
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0; the first command is that of the inputs u."""
     first = outputs(State(0.0), u, p)
-    return State(0.0, Watch.begun(u.h_w, first.wheel_torque_cmd).rows() if p.is_set else None)
+    return State(0.0, Watch.begun(u.h_w, first.wheel_torque_cmd, p).rows() if p.is_set else None)
 
 
 def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
@@ -89,6 +92,8 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         tau_residual_B=u.tau_cmd_B - (actuators.torque @ commands + spin),
         b_wheel=_to_port(p.axes @ u.b_B / B if with_field else np.zeros(p.wheels), p),
         wheel_failed=failed if p.is_set else False,
+        h_w_failed=np.zeros_like(failed) if p.is_set else False,
+        h_w_estimate=watch.expected if watch is not None else 0.0,
     )
 
 
@@ -98,7 +103,14 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
         return State(x.t + h), outputs(x, u, p)
     watch = Watch(*x.watch).after(u.h_w, h, p)
     y = outputs(State(x.t, watch.rows()), u, p)
-    return State(x.t + h, watch.keeping(u.h_w, y.wheel_torque_cmd).rows()), y
+    kept = watch.keeping(u.h_w, y.wheel_torque_cmd, _gains(u, watch.failed(p)), p)
+    return State(x.t + h, kept.rows()), replace(y, h_w_estimate=kept.expected)
+
+
+def _gains(u: Inputs, failed: NDArray[np.bool_]) -> Array:
+    """What the wheels (4,) give of their commands: told by wheel_gains, else 0 of those that have failed."""
+    told = not (np.abs(u.wheel_gains) >= ABSENT_MIN).any()
+    return np.asarray(u.wheel_gains, np.float64) if told else np.where(failed, 0.0, 1.0)
 
 
 def _to_port(values: Array, p: Parameters) -> OfWheels:
@@ -112,7 +124,7 @@ def _actuators(
     """Feed-forward is preferred where it is connected; else no dipole, and each wheel on its way to its target. No
     dipole is without a field. by_rods (3,rods): the rods' torques per A m2; failed (4,): wheels that are not used."""
     told = not (np.abs(u.wheel_gains) >= ABSENT_MIN).any()
-    gains = p.of_wheels(u.wheel_gains) if told else p.of_wheels(np.where(failed, 0.0, 1.0))
+    gains = p.of_wheels(_gains(u, failed))
     h_w, torque_max, momentum_max = map(p.of_wheels, (u.h_w, p.wheel_torque_max, p.wheel_momentum_max))
     rods_ff = with_field and not (np.abs(u.dipole_ff) >= ABSENT_MIN).any()
     wheel_ff = not (np.abs(u.wheel_torque_ff) >= ABSENT_MIN).any()

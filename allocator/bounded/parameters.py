@@ -44,6 +44,8 @@ class Parameters:
     rods: int = 3
     wheel_momentum_target: OfWheels = 0.0
     null_space_momentum: float = 0.0
+    J_B: Array | None = None
+    """Of a set: (3, 3), or zeros where it is not known. The native flavour alone looks at it."""
     find_failures: bool = False
 
     @property
@@ -88,6 +90,11 @@ def check(p: Parameters) -> None:
             raise ValueError(f"{name}: expected a finite number above 0, found {value!r}")
     if not ((p.rod_limits >= ROD_LIMIT_MIN) & (p.rod_limits <= 1.0)).all():
         raise ValueError(f"rod_limits: expected {ROD_LIMIT_MIN:g} to 1, found {p.rod_limits.tolist()}")
+    if p.J_B is not None and p.J_B.any():
+        moments = np.linalg.eigvalsh(p.J_B) if np.isfinite(p.J_B).all() else np.zeros(3)
+        symmetric = np.abs(p.J_B - p.J_B.T).max() <= 1e-9 * np.abs(p.J_B).max()
+        if not (symmetric and moments[0] > 0.0 and moments[2] <= (moments[0] + moments[1]) * (1.0 + 1e-9)):
+            raise ValueError(f"J_B: expected the inertia of a body, or zeros, found {p.J_B.tolist()}")
     wheel_weight_min = WHEEL_WEIGHT_MIN if p.wheels > 1 else 0.0
     for name, least in (
         ("rod_weight", ROD_WEIGHT_MIN),

@@ -1,4 +1,5 @@
-"""Wheels of a set that do not give what is commanded. Tests: tests/native/test_allocator_wheels.py."""
+"""Wheels of a set that do not give what is commanded, by their telemetry alone; the native flavour looks at the
+body, too, and learns friction. Tests: tests/native/test_allocator_wheels.py."""
 
 from __future__ import annotations
 
@@ -39,10 +40,14 @@ class Watch:
     failed_for: Array
     """s since it gave less than half; below 0: not yet confirmed; 0: it gives more."""
 
+    expected: Array
+    """N m s, at the next sample; 0 of wheels that are not there."""
+
     @staticmethod
-    def begun(h_w: Array, command: Array) -> Watch:
+    def begun(h_w: Array, command: Array, p: Parameters) -> Watch:
         """Returns the watch at the start, with the first commands (4,) N m."""
-        return Watch(h_w, command, *np.zeros((3, len(h_w))))
+        none = np.zeros(len(h_w))
+        return Watch(h_w, command, none, none, none, np.where(np.arange(len(h_w)) < p.wheels, h_w, 0.0))
 
     def after(self, h_w: Array, h: float, p: Parameters) -> Watch:
         """Returns what is known h s later, when the momenta are h_w (4,) N m s."""
@@ -68,12 +73,14 @@ class Watch:
         return np.where(p.find_failures & (since > 0.0), probe, torque)
 
     def rows(self) -> Array:
-        """Returns the watch as an array (5, 4), as a state can hold it."""
-        return np.stack((self.h_w, self.command, self.given, self.asked, self.failed_for))
+        """Returns the watch as an array (6, 4), as a state can hold it."""
+        return np.stack((self.h_w, self.command, self.given, self.asked, self.failed_for, self.expected))
 
-    def keeping(self, h_w: Array, command: Array) -> Watch:
-        """Returns the watch with what the next sample is compared with."""
-        return replace(self, h_w=h_w, command=command)
+    def keeping(self, h_w: Array, command: Array, gains: Array, p: Parameters) -> Watch:
+        """Returns the watch with what the next sample is compared with; gains (4,): of the wheels' commands."""
+        there = np.arange(len(h_w)) < p.wheels
+        expected = np.where(there, h_w + p.command_period * gains * command, 0.0)
+        return replace(self, h_w=h_w, command=command, expected=expected)
 
     def failed(self, p: Parameters) -> NDArray[np.bool_]:
         """Whether each wheel (4,) is one that failed, where that is looked for."""

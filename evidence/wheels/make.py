@@ -11,7 +11,7 @@ from .. import files
 from ..crew import complete, runs_of
 from ..paper import FOLDER, ROOT
 from ..plots import save as save_figures
-from . import long, page, slews
+from . import long, page, slews, telemetry
 from .bound import of_draws
 from .cases import all_flights
 from .kept import FILE, REMEDY, Flown, flown_of
@@ -56,7 +56,7 @@ def write() -> Path:
     docs = ROOT / "docs" / "evidence"
     found = files.load(Flown, docs / FILE, REMEDY)
     save_figures({"wheels": page.figure(found)}, docs.parent / "figures")
-    (docs / "wheels.md").write_text(page.text(found, slews.load(), long.load()), "utf-8")
+    (docs / "wheels.md").write_text(page.text(found, slews.load(), long.load(), telemetry.load()), "utf-8")
     return docs / "wheels.md"
 
 
@@ -64,5 +64,6 @@ PARTS: dict[str, Callable[[int, int, Sequence[str]], Iterator[str]]] = {
     "tumbles": make,
     "slews": lambda cases, jobs, rows: slews.make(cases, jobs),
     "long": lambda cases, jobs, rows: long.make(jobs),
+    "telemetry": lambda cases, jobs, rows: telemetry.make(cases, jobs),
 }
 """What is flown: so many cases, by so many processes, of these rows. Each tells what it did."""

@@ -17,12 +17,13 @@ from .cases import CONDITIONS, DURATION, ORBIT, WHEELS
 from .kept import Flown
 from .long import Long
 from .slews import ANGLES, WITHIN, Slew
+from .telemetry import FAILED, SETS, TELEMETRY, Failure
 
 HOLDS = {"nominal": 0.005, "estimated": 0.02}
 """deg rms: the requirements of the hold."""
 
 
-def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long]) -> str:
+def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long], telemetry: Sequence[Failure] = ()) -> str:
     """Returns the page."""
     healthy = [f for f in flown if f.condition in ("nominal", "errors", "estimated")]
     least = [f.settled_5 / f.least_time for f in flown if f.condition == "nominal" and f.least_time > 60.0]
@@ -56,6 +57,8 @@ def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long]) ->
         cases=len(flown),
         duration=f"{DURATION:,.0f}",
         orbit=f"{ORBIT:,.0f}",
+        telemetry=list(_telemetry(telemetry)),
+        told=_told([f for f in telemetry if f.of_telemetry]),
     )
 
 
@@ -123,6 +126,25 @@ def _times(those: Sequence[Flown]) -> list[str]:
 
 def _holds(settled: Sequence[Flown]) -> list[str]:
     return [degrees(f(x.hold_rms for x in settled)) if settled else "–" for f in (_median, max)]
+
+
+def _telemetry(flown: Sequence[Failure]) -> Iterator[list[str]]:
+    """A row for each failure with each number of wheels."""
+    for failure in (*TELEMETRY, *FAILED):
+        for wheels in SETS:
+            those = [f for f in flown if (f.failure, f.wheels) == (failure, wheels)]
+            named = [f.named for f in those if math.isfinite(f.named)]
+            if those:
+                what = f"telemetry {failure}" if failure in TELEMETRY else f"a wheel {failure}"
+                counts = [f"{sum(f.held for f in those)} of {len(those)}", f"{len(named)} of {len(those)}"]
+                times = f"{_median(named):.0f} s" if named else "–"
+                largest = degrees(_median(f.largest for f in those)), degrees(max(f.largest for f in those))
+                yield [what, str(wheels), *counts, times, *largest, str(sum(f.others for f in those))]
+
+
+def _told(flown: Sequence[Failure]) -> str:
+    held, named = sum(f.held for f in flown), sum(math.isfinite(f.named) for f in flown)
+    return f"{held} of {len(flown)} flights hold, and the wheel, which works, is named failed in {named}"
 
 
 def _slews(slews: Sequence[Slew], satellite: str) -> list[str]:

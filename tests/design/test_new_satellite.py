@@ -81,7 +81,7 @@ def test_the_drag_body_lies_along_the_axis_that_is_given(tmp_path):
 def test_without_its_values_it_says_which_it_needs(tmp_path):
     result = orchestrate("new", "satellite", str(tmp_path))
     assert result.exit_code == 2
-    needed = [name for name, entry in new_satellite._template().values.items() if "example" in entry]
+    needed = [name for name, entry in new_satellite.templates().values.items() if "example" in entry]
     assert needed
     for name in needed:
         assert f'  --set "{name}=' in result.stderr
@@ -169,7 +169,7 @@ def test_a_value_that_no_block_takes_is_told_at_once_and_nothing_is_written(tmp_
 
 
 def test_each_file_uses_values_that_are_declared_and_all_are_used():
-    found = new_satellite._template()
+    found = new_satellite.templates()
     text = "".join(path.read_text() for path in found.folder.glob("*.yaml") if path.name != template.VALUES)
     followed = {"mass", "orbit_radius", "altitude", "wheels", "sensors"}
     assert {name for name in found.values if f"@{name}@" in text} == set(found.values) - followed

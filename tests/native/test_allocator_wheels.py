@@ -238,6 +238,7 @@ def test_the_rods_bring_the_wheels_to_their_target_where_the_field_turns() -> No
             {**FOUR, "null_space_momentum": 0.02},
             "null_space_momentum: expected at most half of each wheel_momentum_max",
         ),
+        ({**FOUR, "J_B": np.diag([1.0, 1.0, 3.0])}, "J_B: expected the inertia of a body"),
         ({**FOUR, "wheel_momentum_target": [0.0, 0.04, 0.0, 0.0]}, "wheel_momentum_target: expected within wheel_mom"),
     ],
 )

@@ -41,12 +41,14 @@ static void preferred_torques(const AllocatorBoundedLaw *law, const AllocatorBou
     const AllocatorBoundedParameters *p = &law->p;
     const bool with_wheel_ff = allocator_bounded_has_wheel_torque_ff(u);
     bool all_act = law->has_null_space;
+    double h_w[ALLOCATOR_BOUNDED_WHEELS] = {0.0};
     for (int i = 0; i < WHEELS(p); ++i) {
-        d[i] = with_wheel_ff ? u->wheel_torque_ff[i] : -(u->h_w[i] - WHEEL_TARGET(p, i)) / p->desaturation_time;
+        h_w[i] = WHEEL_MOMENTUM(law, x, u, i);
+        d[i] = with_wheel_ff ? u->wheel_torque_ff[i] : -(h_w[i] - WHEEL_TARGET(p, i)) / p->desaturation_time;
         all_act = all_act && WHEEL_GAIN(law, x, u, i) != 0.0;
     }
     if (all_act && NULL_SPACE_MOMENTUM(p) > 0.0) {
-        double change = null_space_motion(law, u->h_w, NULL_SPACE_MOMENTUM(p)) / p->desaturation_time;
+        double change = null_space_motion(law, h_w, NULL_SPACE_MOMENTUM(p)) / p->desaturation_time;
         for (int i = 0; i < WHEELS(p); ++i) {
             change -= law->null_space[i] * d[i];
         }
@@ -82,7 +84,8 @@ void allocator_bounded_actuators(const AllocatorBoundedLaw *law, const Allocator
     const double weight = allocator_bounded_has_wheel_torque_ff(u) ? p->wheel_weight_ff : p->wheel_weight;
     for (int k = 0; k < WHEELS(p); ++k) {
         const int i = a->rods + k;
-        const double gain = WHEEL_GAIN(law, x, u, k), h_w = u->h_w[k], torque_max = p->wheel_torque_max[k];
+        const double gain = WHEEL_GAIN(law, x, u, k), h_w = WHEEL_MOMENTUM(law, x, u, k);
+        const double torque_max = p->wheel_torque_max[k];
         a->limit[i] = torque_max;
         a->torque[i] = scale(-torque_max * gain, vector(law->axis[k]));
         a->weight[i] = weight * torque_max;

@@ -96,7 +96,8 @@ static bool outputs_of(const AllocatorBoundedLaw *law, const AllocatorBoundedSta
                             scale(gains.z, cross(U.c, field))}; /* [16] */
     Vector spin = {0.0, 0.0, 0.0};
     for (int i = 0; i < WHEELS(&law->p); ++i) {
-        spin = subtract(spin, scale(u->h_w[i], cross(Omega, vector(law->axis[i])))); /* -l_w Omega x e1 [14] */
+        spin = subtract(
+            spin, scale(WHEEL_MOMENTUM(law, x, u, i), cross(Omega, vector(law->axis[i])))); /* -l_w Omega x e1 [14] */
     }
     Actuators actuators;
     allocator_bounded_actuators(law, x, u, rods, with_field && allocator_bounded_has_dipole_ff(u), &actuators);
@@ -113,6 +114,8 @@ static bool outputs_of(const AllocatorBoundedLaw *law, const AllocatorBoundedSta
 #if ALLOCATOR_BOUNDED_WHEELS > 1
         y->wheel_torque_cmd[i] = allocator_bounded_with_friction(law, x, u, i, given.dh_w[i]);
         y->wheel_failed[i] = allocator_bounded_wheel_failed(law, x, i);
+        y->h_w_failed[i] = law->p.find_failures && x->telemetry[i].frozen;
+        y->h_w_estimate[i] = x->expected[i];
 #endif
     }
     store(vector(given.dipole), y->dipole_cmd);
@@ -139,7 +142,7 @@ bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoun
         return false;
     }
 #if ALLOCATOR_BOUNDED_WHEELS > 1
-    allocator_bounded_keep(u, &y, &now);
+    allocator_bounded_begin(law, u, &y, &now);
 #endif
     *x = now;
     return true;
@@ -154,12 +157,18 @@ bool allocator_bounded_step(const AllocatorBoundedLaw *law, AllocatorBoundedStat
 #if ALLOCATOR_BOUNDED_WHEELS > 1
     allocator_bounded_watch(law, u, h, &next);
 #endif
-    if (!allocator_bounded_outputs(law, &next, u, y, f)) {
+    if (!outputs_of(law, &next, u, y, f)) {
         return false;
     }
 #if ALLOCATOR_BOUNDED_WHEELS > 1
-    allocator_bounded_keep(u, y, &next);
+    allocator_bounded_keep(law, u, y, &next);
+    for (int i = 0; i < ALLOCATOR_BOUNDED_WHEELS; ++i) {
+        y->h_w_estimate[i] = next.expected[i];
+    }
 #endif
+    if (!allocator_bounded_guard(y, f)) {
+        return false;
+    }
     next.t += h;
     *x = next;
     return true;

@@ -10,19 +10,28 @@
 #ifndef ALLOCATOR_BOUNDED_H
 #define ALLOCATOR_BOUNDED_H
 
-#include "fault.h"
 #include "allocator_bounded_ports.h"
+#include "fault.h"
+#include "momentum_watch.h"
 
 #define ALLOCATOR_BOUNDED_GUARDED /* it gives outputs that are finite, or a fault names one that is not */
 
 typedef struct {
-    double t;                                    /* s */
-    double h_w[ALLOCATOR_BOUNDED_WHEELS];        /* of the last sample, N m s */
-    double command[ALLOCATOR_BOUNDED_WHEELS];    /* of the last sample, N m */
-    double given[ALLOCATOR_BOUNDED_WHEELS];      /* sum of command times change of momentum; forgotten */
-    double asked[ALLOCATOR_BOUNDED_WHEELS];      /* sum of command squared times time; forgotten */
-    double failed_for[ALLOCATOR_BOUNDED_WHEELS]; /* s since it gave less than half; negative: unconfirmed; 0: no */
-    double friction[ALLOCATOR_BOUNDED_WHEELS];   /* Coulomb friction that each was seen to have, N m */
+    double t;                                          /* s */
+    double h_w[ALLOCATOR_BOUNDED_WHEELS];              /* of the last sample, as it was used, N m s */
+    double command[ALLOCATOR_BOUNDED_WHEELS];          /* of the last sample, N m */
+    double omega_B[3], dipole[3];                      /* of the last sample, rad/s; what the rods gave, A m2 */
+    double given[ALLOCATOR_BOUNDED_WHEELS];            /* sum of command times change of momentum; forgotten */
+    double asked[ALLOCATOR_BOUNDED_WHEELS];            /* sum of command squared times time; forgotten */
+    double slow_command[ALLOCATOR_BOUNDED_WHEELS];     /* smoothed, N m */
+    double slow_answer[ALLOCATOR_BOUNDED_WHEELS];      /* smoothed change of momentum that the body shows, N m */
+    double answered[ALLOCATOR_BOUNDED_WHEELS];         /* as `given`, of these two */
+    double called[ALLOCATOR_BOUNDED_WHEELS];           /* as `asked`, of the smoothed command */
+    double failed_for[ALLOCATOR_BOUNDED_WHEELS];       /* s since it gave less than half; below 0: unconfirmed; 0: no */
+    double doubted_for[ALLOCATOR_BOUNDED_WHEELS];      /* s since h_w shows less than half, but the body more */
+    double friction[ALLOCATOR_BOUNDED_WHEELS];         /* Coulomb friction that each was seen to have, N m */
+    double expected[ALLOCATOR_BOUNDED_WHEELS];         /* momentum at the next sample, N m s */
+    MomentumWatch telemetry[ALLOCATOR_BOUNDED_WHEELS]; /* of h_w */
 } AllocatorBoundedState;
 
 /* Parameters and what follows from them alone. */
@@ -43,6 +52,10 @@ void allocator_bounded_prepare(const AllocatorBoundedParameters *p, AllocatorBou
 /* Whether wheel i is one that failed, where that is looked for. */
 bool allocator_bounded_wheel_failed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, int i);
 
+/* The momentum of wheel i, N m s: h_w, or where that is left out what the wheel has by its commands. */
+double allocator_bounded_wheel_momentum(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                        const AllocatorBoundedInputs *u, int i);
+
 /* What wheel i gives of its command: as it is told by wheel_gains, else 0 of one that has failed. */
 double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                     const AllocatorBoundedInputs *u, int i);
@@ -58,8 +71,12 @@ double allocator_bounded_with_friction(const AllocatorBoundedLaw *law, const All
 /* Takes in what the wheels gave of the last commands over h, and the commands y that act from now on. */
 void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,
                              AllocatorBoundedState *x);
-void allocator_bounded_keep(const AllocatorBoundedInputs *u, const AllocatorBoundedOutputs *y,
-                            AllocatorBoundedState *x);
+void allocator_bounded_keep(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u,
+                            const AllocatorBoundedOutputs *y, AllocatorBoundedState *x);
+
+/* At the start, with the first commands y. */
+void allocator_bounded_begin(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u,
+                             const AllocatorBoundedOutputs *y, AllocatorBoundedState *x);
 #endif
 
 /* The state at t = 0; the first command is that of these inputs. */

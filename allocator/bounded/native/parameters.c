@@ -29,6 +29,12 @@ static bool are_rods(const AllocatorBoundedParameters *p, Fault *f)
     return true;
 }
 
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+#define IS_INERTIA(p, f) (is_zero_matrix(matrix((p)->J_B)) || is_inertia(matrix((p)->J_B), "J_B", f))
+#else
+#define IS_INERTIA(p, f) true
+#endif
+
 static bool are_wheels(const AllocatorBoundedParameters *p, Fault *f)
 {
     static const char *const axes[] = OF_EACH("wheel_axis");
@@ -56,7 +62,7 @@ bool allocator_bounded_check(const AllocatorBoundedParameters *p, Fault *f)
     const Named positive[] = {{"dipole_max", p->dipole_max},
                               {"command_period", p->command_period},
                               {"desaturation_time", p->desaturation_time}};
-    if (!are_rods(p, f) || !are_wheels(p, f) || !are_rod_limits(p->rod_limits, f) ||
+    if (!are_rods(p, f) || !are_wheels(p, f) || !IS_INERTIA(p, f) || !are_rod_limits(p->rod_limits, f) ||
         !all_positive(positive, COUNT(positive), f)) {
         return false;
     }

@@ -1,6 +1,7 @@
-/* Wheels of a set that do not give what is commanded.
+/* Wheels of a set that do not give what is commanded, by their telemetry and by the body.
  * Requirement: AB-3. Tests: tests/native/test_allocator_wheels.py. */
 #include "actuators.h"
+#include "rotation.h"
 
 #if ALLOCATOR_BOUNDED_WHEELS > 1
 
@@ -16,6 +17,19 @@ static const double MOVES = 0.1, STANDING = 0.08, LEARNED_STANDING = 15.0;
 static const double TRUST_TORQUE = 0.02, TRUST_TIME = 20.0;
 /* s, for which this is found before a wheel counts as failed: telemetry may be a sample old. */
 static const double CONFIRMED = 2.0;
+/* Of what a wheel can do in a sample, and of its momentum's limit: telemetry that changes by more is wrong. */
+static const double JUMP = 2.0, JUMP_LEAST = 0.01;
+/* Of the square of what a momentum changes beside the commands: noise by which it does not repeat. */
+static const double NOISE = 0.2;
+/* Of its commands: a wheel that has failed gives less, as the body shows it by an inertia that is not exact. */
+static const double BODY_SHOWS = 0.7, BODY_ALONE = 0.4; /* the latter where h_w is left out */
+/* Of the torques of all wheels: a body that shows more is not moved by them. */
+static const double BODY_MOST = 4.0;
+/* Of the friction that was learned, what counts without telemetry: by less the momentum drifts until friction turns
+ * round, by more it runs away. Beyond this share of the limit the momentum fades, s: what drifts is not taken for full. */
+static const double BLIND_FRICTION = 0.8, BLIND_MOMENTUM = 0.6, BLIND_FADES = 100.0;
+/* s, over which commands and what the body answers are smoothed: its rate's noise is in the commands, too. */
+static const double SMOOTHED = 5.0;
 /* s, after which a wheel that failed is tried again. */
 static const double RETRY = 3000.0;
 /* Of its limit, and s: the command by which it is tried, forth and back. */
@@ -24,6 +38,12 @@ static const double PROBE_TORQUE = 0.2, PROBE_TIME = 2.0;
 bool allocator_bounded_wheel_failed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, int i)
 {
     return law->p.find_failures && x->failed_for[i] > 0.0;
+}
+
+double allocator_bounded_wheel_momentum(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                        const AllocatorBoundedInputs *u, int i)
+{
+    return law->p.find_failures && x->telemetry[i].frozen ? x->telemetry[i].l : u->h_w[i];
 }
 
 double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
@@ -63,16 +83,27 @@ double allocator_bounded_with_friction(const AllocatorBoundedLaw *law, const All
     if (!(law->p.find_failures && x->friction[i] > 0.0)) {
         return wanted;
     }
-    const double sign = mean_sign(u->h_w[i], u->h_w[i] + law->p.command_period * wanted);
+    const double h_w = allocator_bounded_wheel_momentum(law, x, u, i);
+    const double sign = mean_sign(h_w, h_w + law->p.command_period * wanted);
     return clip(wanted + x->friction[i] * sign, -limit, limit);
 }
 
-/* The Coulomb friction of wheel i by what it gave less than the last command, over h; of one that does not move at all
- * more than a wheel has, so that a dead one is found by small commands, too. */
-static double learned_friction(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, double h_w, double h,
+/* What wheel i gives of its last command, N m, by what is known of it. */
+static double by_command(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                         const AllocatorBoundedInputs *u, int i)
+{
+    const double torque = allocator_bounded_wheel_gain(law, x, u, i) * x->command[i], h_w = x->h_w[i];
+    const double known = law->p.find_failures ? x->friction[i] : 0.0;
+    const double friction = x->telemetry[i].frozen ? BLIND_FRICTION * known : known;
+    return torque - friction * mean_sign(h_w, h_w + law->p.command_period * torque);
+}
+
+/* The Coulomb friction of wheel i by what it gave less than the last command, where its momentum changed over h; of one
+ * that does not move at all more than a wheel has, so that a dead one is found by small commands, too. */
+static double learned_friction(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, double change, double h,
                                int i)
 {
-    const double limit = law->p.wheel_torque_max[i], command = x->command[i], gave = (h_w - x->h_w[i]) / h;
+    const double limit = law->p.wheel_torque_max[i], command = x->command[i], gave = change / h;
     if (x->failed_for[i] > 0.0) {
         return 0.0;
     }
@@ -82,9 +113,9 @@ static double learned_friction(const AllocatorBoundedLaw *law, const AllocatorBo
     if (fabs(gave) < MOVES * fabs(command)) {
         return smaller(x->friction[i] + h / LEARNED_STANDING * (fabs(command) - x->friction[i]), STANDING * limit);
     }
-    const double sign = mean_sign(x->h_w[i], h_w), taken = command - gave;
-    const double change = h / (h + LEARNED) * sign * (taken - sign * x->friction[i]);
-    return clip(x->friction[i] + change, 0.0, FRICTION * limit);
+    const double sign = mean_sign(x->h_w[i], x->h_w[i] + change), taken = command - gave;
+    const double moved = h / (h + LEARNED) * sign * (taken - sign * x->friction[i]);
+    return clip(x->friction[i] + moved, 0.0, FRICTION * limit);
 }
 
 /* The part of a command that friction cannot take, N m. */
@@ -94,35 +125,114 @@ static double beyond_friction(double command, double torque_max)
     return command > most ? command - most : command < -most ? command + most : 0.0;
 }
 
+/* The change of the momentum of wheel i over h, N m s: that of h_w, or where that shows nothing the one by its command. */
+static double take_telemetry(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h, int i,
+                             AllocatorBoundedState *x)
+{
+    const double most = law->p.wheel_momentum_max[i], given = by_command(law, x, u, i);
+    MomentumWatch *telemetry = &x->telemetry[i];
+    const double change = u->h_w[i] - telemetry->h_w, samples = (double)telemetry->run + 1.0;
+    const bool jumps = fabs(change) > JUMP * law->p.wheel_torque_max[i] * h * samples + JUMP_LEAST * most;
+    const bool was_frozen = telemetry->frozen;
+    watch_momentum(h, u->h_w[i], given, most, NOISE, jumps || x->doubted_for[i] > CONFIRMED, telemetry);
+    if (telemetry->frozen) {
+        const double within = clip(telemetry->l, -BLIND_MOMENTUM * most, BLIND_MOMENTUM * most);
+        telemetry->l = clip(telemetry->l + h / (h + BLIND_FADES) * (within - telemetry->l), -most, most);
+    }
+    if (telemetry->frozen && !was_frozen) {
+        x->friction[i] = telemetry->noisy ? x->friction[i] : 0.0; /* else it learned by what repeats */
+        x->doubted_for[i] = 0.0;
+    }
+    return telemetry->blind ? h * given : change;
+}
+
+/* What the wheels gave over h beside the changes of their momenta, N m s: as the body moved, whose inertia is known. */
+static Vector unseen(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,
+                     const double change[ALLOCATOR_BOUNDED_WHEELS], const AllocatorBoundedState *x)
+{
+    const Matrix J = matrix(law->p.J_B);
+    const Vector before = vector(x->omega_B), now = vector(u->omega_B), Omega = scale(0.5, add(before, now));
+    const Vector by_rods = cross(apply_transposed(matrix(law->U), vector(x->dipole)), vector(u->b_B));
+    Vector momentum = apply(J, Omega), seen = {0.0, 0.0, 0.0};
+    double most = 0.0;
+    for (int i = 0; i < law->p.wheels; ++i) {
+        const Vector axis = vector(law->axis[i]);
+        momentum = add(momentum, scale(x->h_w[i] + 0.5 * change[i], axis));
+        seen = add(seen, scale(change[i], axis));
+        most += BODY_MOST * law->p.wheel_torque_max[i] * h;
+    }
+    const Vector by_torques = scale(h, subtract(by_rods, cross(Omega, momentum)));
+    const Vector left = subtract(subtract(by_torques, apply(J, subtract(now, before))), seen);
+    return norm(left) < most ? left : (Vector){0.0, 0.0, 0.0};
+}
+
+/* Whether wheel i has failed, and whether its telemetry is doubted, a step of h later. */
+static void decide(AllocatorBoundedState *x, double trust, bool by_inertia, double h, int i)
+{
+    const double failed_for = x->failed_for[i];
+    if (failed_for > 0.0) {
+        const bool works = failed_for > RETRY + PROBE_TIME && x->given[i] > 0.5 * x->asked[i];
+        x->failed_for[i] = works ? 0.0 : failed_for > RETRY + PROBE_TIME ? h : failed_for + h;
+        return;
+    }
+    const bool frozen = x->telemetry[i].frozen, body_shows = x->called[i] > trust;
+    const bool less = frozen || x->given[i] + trust < 0.5 * (x->asked[i] + trust);
+    const bool answers = x->answered[i] > (frozen ? BODY_ALONE : BODY_SHOWS) * x->called[i];
+    const bool found = less && (by_inertia ? body_shows && !answers : !frozen);
+    const bool confirmed = h - failed_for > CONFIRMED;
+    x->failed_for[i] = !found ? 0.0 : failed_for < 0.0 && confirmed ? h : failed_for - h;
+    x->doubted_for[i] = !frozen && less && body_shows && answers ? x->doubted_for[i] + h : 0.0;
+}
+
 void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,
                              AllocatorBoundedState *x)
 {
     const double kept = 1.0 / (1.0 + h / FORGOTTEN);
+    double change[ALLOCATOR_BOUNDED_WHEELS] = {0.0};
+    for (int i = 0; i < law->p.wheels; ++i) {
+        change[i] = take_telemetry(law, u, h, i, x);
+    }
+    const bool by_inertia = !is_zero_matrix(matrix(law->p.J_B));
+    const Vector left = by_inertia ? unseen(law, u, h, change, x) : (Vector){0.0, 0.0, 0.0};
     for (int i = 0; i < law->p.wheels; ++i) {
         const double torque = TRUST_TORQUE * law->p.wheel_torque_max[i], trust = torque * torque * TRUST_TIME;
-        const double command = beyond_friction(x->command[i], law->p.wheel_torque_max[i]),
-                     failed_for = x->failed_for[i];
-        x->friction[i] = learned_friction(law, x, u->h_w[i], h, i);
-        const bool counts = failed_for <= 0.0 || failed_for > RETRY;
-        x->given[i] = counts ? kept * x->given[i] + command * (u->h_w[i] - x->h_w[i]) : 0.0;
+        const bool blind = x->telemetry[i].blind, counts = x->failed_for[i] <= 0.0 || x->failed_for[i] > RETRY;
+        const double by_body = change[i] + dot(vector(law->axis[i]), left), shown = blind ? by_body : change[i];
+        x->friction[i] = blind ? x->friction[i] : learned_friction(law, x, shown, h, i);
+        const double command = beyond_friction(x->command[i], law->p.wheel_torque_max[i]);
+        x->given[i] = counts ? kept * x->given[i] + command * shown : 0.0;
         x->asked[i] = counts ? kept * x->asked[i] + command * command * h : 0.0;
-        if (failed_for <= 0.0) {
-            const bool found = x->given[i] + trust < 0.5 * (x->asked[i] + trust);
-            const bool confirmed = failed_for < 0.0 && h - failed_for > CONFIRMED;
-            x->failed_for[i] = !found ? 0.0 : confirmed ? h : failed_for - h;
-        } else if (failed_for > RETRY + PROBE_TIME) {
-            x->failed_for[i] = x->given[i] > 0.5 * x->asked[i] ? 0.0 : h;
-        } else {
-            x->failed_for[i] = failed_for + h;
-        }
+        const double share = by_inertia ? h / (h + SMOOTHED) : 0.0;
+        x->slow_command[i] += share * (x->command[i] - x->slow_command[i]);
+        x->slow_answer[i] += share * (by_body / h - x->slow_answer[i]);
+        const double slow = beyond_friction(x->slow_command[i], law->p.wheel_torque_max[i]);
+        x->answered[i] = counts ? kept * x->answered[i] + slow * x->slow_answer[i] * h : 0.0;
+        x->called[i] = counts ? kept * x->called[i] + slow * slow * h : 0.0;
+        decide(x, trust, by_inertia, h, i);
     }
 }
 
-void allocator_bounded_keep(const AllocatorBoundedInputs *u, const AllocatorBoundedOutputs *y, AllocatorBoundedState *x)
+void allocator_bounded_keep(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u,
+                            const AllocatorBoundedOutputs *y, AllocatorBoundedState *x)
 {
-    for (int i = 0; i < ALLOCATOR_BOUNDED_WHEELS; ++i) {
-        x->h_w[i] = u->h_w[i];
+    const bool with_gains = allocator_bounded_has_rod_gains(u);
+    for (int i = 0; i < 3; ++i) {
+        x->omega_B[i] = u->omega_B[i];
+        x->dipole[i] = (with_gains ? u->rod_gains[i] : 1.0) * y->dipole_cmd[i];
+    }
+    for (int i = 0; i < law->p.wheels; ++i) {
+        x->h_w[i] = allocator_bounded_wheel_momentum(law, x, u, i);
         x->command[i] = y->wheel_torque_cmd[i];
+        x->expected[i] = x->h_w[i] + law->p.command_period * by_command(law, x, u, i);
+    }
+}
+
+void allocator_bounded_begin(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u,
+                             const AllocatorBoundedOutputs *y, AllocatorBoundedState *x)
+{
+    allocator_bounded_keep(law, u, y, x);
+    for (int i = 0; i < law->p.wheels; ++i) {
+        x->telemetry[i].h_w = x->telemetry[i].l = x->expected[i] = u->h_w[i];
     }
 }
 

@@ -6,6 +6,7 @@
 #include "estimate/friction.h"
 #include "estimate/identification.h"
 #include "controller_planned_ports.h"
+#include "momentum_watch.h"
 #include "plan/search.h"
 #include "estimate/sensors_watch.h"
 #include "plan/steering.h"

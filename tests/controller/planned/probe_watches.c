@@ -55,7 +55,7 @@ PROBE void probe_watch_momentum(double dt, double limit, int n, const double *h_
     MomentumWatch watch;
     memset(&watch, 0, sizeof watch);
     for (int i = 0; i < n; ++i) {
-        controller_planned_watch_momentum(dt, h_w[i], given[i], limit, &watch);
+        watch_momentum(dt, h_w[i], given[i], limit, h_w[i] != 0.0 ? 0.5 : INFINITY, false, &watch);
         is_frozen[i] = watch.frozen;
         blind[i] = watch.blind;
         l[i] = watch.l;

@@ -18,7 +18,7 @@ DATA = (
 def satellite(tmp_path_factory) -> Path:
     """Its scenario, with a wheel, wheels in a pyramid on a star tracker, and rods alone beside it."""
     folder = tmp_path_factory.mktemp("satellites")
-    found = new_satellite._template()
+    found = new_satellite.templates()
     new_satellite.fill(found, folder / "one", settings(DATA))
     new_satellite.fill(found, folder / "none", {**settings((*DATA[:5], *DATA[7:])), "wheels": "none"})
     new_satellite.fill(found, folder / "four", settings((*DATA, "wheels=pyramid 35 deg", "sensors=star tracker")))

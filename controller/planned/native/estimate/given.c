@@ -3,6 +3,10 @@
 
 #include <string.h>
 
+/* Share of the slip's square that is noise where the momentum has noise. Zero may be what is counted of a wheel that
+ * stands, and repeat. */
+static const double MOSTLY = 0.5;
+
 /* dl/dt, N m, that the wheel gives of a motor's torque by what is known of its friction. */
 static double by_command(const ControllerPlannedState *x, double told, double dt)
 {
@@ -17,7 +21,8 @@ void controller_planned_watch_h_w(const ControllerPlannedLaw *law, ControllerPla
     }
     const bool was = x->momentum.frozen;
     const double given = by_command(x, u->u_applied[3], dt);
-    controller_planned_watch_momentum(dt, u->h_w, given, law->p.wheel_momentum_max, &x->momentum);
+    watch_momentum(dt, u->h_w, given, law->p.wheel_momentum_max, u->h_w != 0.0 ? MOSTLY : INFINITY, false,
+                   &x->momentum);
     if (x->momentum.frozen && !was) {
         x->l_own = x->momentum.l - dt * given; /* of the last sample: this one follows */
     }

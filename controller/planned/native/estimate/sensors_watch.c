@@ -12,13 +12,6 @@ static const double RESIDUAL_TIME = 1.2; /* T, over which the field's residual i
 static const double STRENGTH = 0.25;     /* of the tolerance: an attitude that is wrong changes no strength */
 static const double RIGHT = 0.5;         /* of the tolerance, below which a field is used again */
 
-/* Samples of a momentum that repeat the last one, for each that did so before in turn; and that change, before it is
- * watched or used again. */
-enum { REPEATS = 20 };
-static const double AVERAGED = 40.0; /* samples, over which its noise is found */
-static const double MOSTLY = 0.5;    /* share of the slip's square that is noise where the momentum has noise */
-static const double ROUNDING = 1e-7; /* of the momentum's limit: less is no noise */
-
 void controller_planned_watch_attitude(double dt, double T, double noise, Matrix R, Vector Omega_before, Vector Omega,
                                        SensorsWatch *watch)
 {
@@ -50,49 +43,4 @@ void controller_planned_watch_field(double dt, double T, double tolerance, Vecto
     const bool wrong =
         watch->field_failed ? size > RIGHT * tolerance : size > tolerance && watch->strength > STRENGTH * tolerance;
     watch->field_failed = wrong || watch->b_repeats > FIELD_FROZEN * T;
-}
-
-/* Whether it has noise: its changes alternate about what the wheel gives, by more than rounding. A wheel that is stuck
- * or stands does not repeat then. */
-static bool is_noisy(double dt, double limit, const MomentumWatch *watch)
-{
-    const double noise = -2.0 * watch->product; /* (F3) */
-    return noise > MOSTLY * watch->square && dt * sqrt(0.5 * noise) > ROUNDING * limit;
-}
-
-/* A new momentum. */
-static void take_momentum(double dt, double h_w, double given, MomentumWatch *watch)
-{
-    if (watch->run == 0 && watch->changes > 0) {
-        const double slip = (h_w - watch->h_w) / dt - given;
-        watch->square += (slip * slip - watch->square) / AVERAGED;
-        watch->product += (slip * watch->slip - watch->product) / AVERAGED;
-        watch->slip = slip;
-    }
-    watch->longest = !watch->frozen && watch->run > watch->longest ? watch->run : watch->longest;
-    watch->run = 0;
-    if (watch->changes < REPEATS) {
-        ++watch->changes;
-    }
-    watch->h_w = watch->l = h_w;
-}
-
-void controller_planned_watch_momentum(double dt, double h_w, double given, double limit, MomentumWatch *watch)
-{
-    const bool repeats = h_w == watch->h_w, was_frozen = watch->frozen;
-    const bool ends = !repeats && watch->run > watch->longest;
-    if (repeats) {
-        watch->run = watch->run < INT32_MAX ? watch->run + 1 : INT32_MAX;
-        watch->l += dt * given;
-    } else {
-        take_momentum(dt, h_w, given, watch);
-    }
-    const bool watched = watch->changes == REPEATS && h_w != 0.0 && is_noisy(dt, limit, watch);
-    if (watch->frozen && watch->changes == REPEATS) {
-        watch->frozen = false;
-    } else if (watched && watch->run / REPEATS > watch->longest) {
-        watch->frozen = true;
-        watch->changes = 0;
-    }
-    watch->blind = watch->frozen || was_frozen || (watched && (ends || watch->run > watch->longest));
 }
