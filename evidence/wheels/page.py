@@ -144,7 +144,7 @@ def _telemetry(flown: Sequence[Failure]) -> Iterator[list[str]]:
 
 def _told(flown: Sequence[Failure]) -> str:
     held, named = sum(f.held for f in flown), sum(math.isfinite(f.named) for f in flown)
-    return f"{held} of {len(flown)} flights hold, and the wheel, which works, is named failed in {named}"
+    return f"{held} of {len(flown)} flights hold, the sound wheel is named in {named}"
 
 
 def _slews(slews: Sequence[Slew], satellite: str) -> list[str]:

@@ -114,7 +114,7 @@ def allocator_bounded_wheels_case(rng: np.random.Generator) -> tuple[Any, Any]:
     one, demand = allocator_bounded_case(rng)
     axes = rng.normal(size=(4, 3))
     own = {
-        "J_B": inertia(rng) * rng.integers(2),
+        "J_B": inertia(np.random.default_rng(1)),
         "wheels": int(rng.integers(5)),
         "rods": int(rng.integers(4)),
         "wheel_axis": axes / np.linalg.norm(axes, axis=1, keepdims=True),

@@ -43,4 +43,4 @@ def test_the_page_counts_flights_and_names():
         ["telemetry frozen", "3", "1 of 2", "0 of 2", "–", "20°", "20°", "0"],
         ["a wheel dead", "4", "1 of 1", "1 of 1", "12 s", "1°", "1°", "1"],
     ]
-    assert page._told(lines[:2]) == "1 of 2 flights hold, and the wheel, which works, is named failed in 0"
+    assert page._told(lines[:2]) == "1 of 2 flights hold, the sound wheel is named in 0"

@@ -18,6 +18,7 @@ from evidence.wheels.long import fly as fly_long
 from evidence.wheels.long import load as load_long
 from evidence.wheels.slews import Slew, drawn, least_time, slew
 from evidence.wheels.slews import load as load_slews
+from evidence.wheels.telemetry import load as load_telemetry
 
 
 @pytest.mark.parametrize("satellite", WHEELS)
@@ -74,7 +75,7 @@ def test_a_flight_that_does_not_settle_counts_and_its_row_has_no_such_times():
 def test_the_page_is_that_of_the_kept_flights_and_short():
     docs = ROOT / "docs" / "evidence"
     text = (docs / "wheels.md").read_text("utf-8")
-    assert text == page.text(files.load(Flown, docs / FILE, REMEDY), load_slews(), load_long())
+    assert text == page.text(files.load(Flown, docs / FILE, REMEDY), load_slews(), load_long(), load_telemetry())
     assert sum(len(line.split()) for line in text.splitlines() if not line.startswith("|")) <= 1100
 
 
