@@ -44,11 +44,10 @@ static inline void take_momentum(double dt, double h_w, double given, bool noisy
         watch->product += (slip * watch->slip - watch->product) / averaged;
         watch->slip = slip;
     }
+    const int32_t changes = watch->changes;
     watch->longest = !watch->frozen && watch->run > watch->longest ? watch->run : watch->longest;
     watch->run = 0;
-    if (watch->changes < MOMENTUM_REPEATS) {
-        ++watch->changes;
-    }
+    watch->changes = changes < MOMENTUM_REPEATS ? changes + 1 : changes;
     watch->l = watch->frozen && watch->changes < MOMENTUM_REPEATS ? watch->l + dt * given : h_w;
     watch->h_w = h_w;
 }
@@ -69,7 +68,8 @@ static inline void watch_momentum(double dt, double h_w, double given, double li
         return;
     }
     if (same) {
-        watch->run = watch->run < INT32_MAX ? watch->run + 1 : INT32_MAX;
+        const int32_t run = watch->run;
+        watch->run = run < INT32_MAX ? run + 1 : INT32_MAX;
         watch->l += dt * given;
     } else {
         take_momentum(dt, h_w, given, is_momentum_noisy(dt, limit, noise, watch), watch);
