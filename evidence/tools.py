@@ -46,6 +46,7 @@ def side_by_side(call: Callable[[A], B], items: Iterable[A]) -> Iterator[B]:
         yield from pool.map(call, items)
 
 
-def without_comments(path: Path) -> str:
-    """The text of a file of C."""
-    return re.sub(r"[ \t]*(?:/\*.*?\*/|//[^\n]*)", "", path.read_text("utf-8"), flags=re.DOTALL)
+def without_comments(path: Path, but: str = "") -> str:
+    """The text of a file of C; `but`: the sign that begins comments that stay, as `@` does those for Frama-C."""
+    stays = f"(?!{but})" if but else ""
+    return re.sub(rf"[ \t]*(?:/\*{stays}.*?\*/|//{stays}[^\n]*)", "", path.read_text("utf-8"), flags=re.DOTALL)

@@ -37,7 +37,7 @@ class Argument:
     rests_on: tuple[str, ...]
     """`file: function` of the C that it speaks of; `callers` are those of its function in all flight code."""
     code: str
-    """The digest of that C."""
+    """The digest of that C, contracts and assertions included."""
 
     def holds(self, alarm: Alarm) -> bool:
         where = (self.file, self.function, self.kind) == (alarm.file, alarm.function, alarm.kind)
@@ -81,8 +81,9 @@ def unproved(alarms: Iterable[Alarm], given: Sequence[Argument], root: Path = PA
 
 @functools.cache
 def _functions(path: Path) -> dict[str, str]:
-    """The text of each function of a file of C, and with the name "" what stands outside of them; no comments."""
-    text = without_comments(path)
+    """The text of each function of a file of C, and with the name "" what stands outside of them; of comments those
+    for Frama-C."""
+    text = without_comments(path, but="@")
     found, outside = {}, text
     for name in defined(path):
         places = [m.start() for m in re.finditer(rf"^[A-Za-z].*?\b{name}\([^;{{}}]*?\)\n\{{", text, re.MULTILINE)]

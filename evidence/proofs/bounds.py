@@ -22,7 +22,7 @@ from ..processor.firmware import FLAGS, PROCESSOR, deepest
 from ..tools import tool
 from .subjects import CALLS
 
-HEAP = ("malloc", "calloc", "realloc", "free", "alloca")
+HEAP = ("malloc", "calloc", "realloc", "free", "alloca", "aligned_alloc", "posix_memalign", "strdup")
 
 
 @dataclass(frozen=True)

@@ -25,10 +25,8 @@ int main(void)
         y[i] = any_real;
     }
     const BoxQp qp = {(const double (*)[CONTROLS])H, g, low, high};
-    if (any_integer) {
-        seen_integer = controller_planned_box_qp(&qp, QP_PASSES, u, free);
-    } else {
-        seen_integer = controller_planned_box_qp(&qp, 2 * QP_PASSES, u, free);
+    for (int passes = 0; passes <= 2 * QP_PASSES; ++passes) {
+        seen_integer = controller_planned_box_qp(&qp, passes, u, free);
     }
     controller_planned_solve_free(qp.H, free, ERRORS, y);
     for (int i = 0; i < CONTROLS; ++i) {

@@ -43,6 +43,7 @@ class Contract:
         """
         folder.mkdir(parents=True, exist_ok=True)
         refuse_assumptions(root)
+        refuse_unproved((root / self.file).read_text("utf-8"), self)
         began, block, config = time.monotonic(), Block.named(self.block), folder / "why3.conf"
         tool("z3")
         subprocess.run([tool("why3"), "config", "detect", "-C", str(config)], capture_output=True, check=True)
@@ -70,6 +71,19 @@ class Contract:
 
     def _function(self, goal: str) -> str:
         return max((f for f in self.functions if f"_{f}_" in goal), key=len, default="")
+
+
+def refuse_unproved(text: str, contract: Contract) -> None:
+    """Raises InputError where a function of the file has a contract that is not asked for, or calls another behind its
+    guard."""
+    functions = re.findall(r"^(?:static |inline )*\w[\w *]*?\b(\w+)\([^;{}]*?\)\n\{\n(.*?)^\}", text, re.M | re.S)
+    stated = re.findall(r"\*/\n(?:static |inline )*\w[\w *]*?\b(\w+)\([^;{}]*?\)\n\{", re.sub(r"/\*[^@].*?\*/", "", text, flags=re.S))
+    if others := sorted(set(stated) - {*contract.functions}):
+        raise InputError(f"{contract.file}: {others[0]} has a contract that is not proved; remedy: contracts.py")
+    for name, body in functions:
+        behind = re.split(r"\b(?:\w+_guard|give)\([^()]*\)", body)[-1]
+        if name in contract.functions and behind != body and (call := re.search(r"\b(?!if|return|fault)\w+\(", behind)):
+            raise InputError(f"{contract.file}: {name}: {call[0]}...) behind the guard; expected nothing there")
 
 
 def _finite(name: str) -> Contract:

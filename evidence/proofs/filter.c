@@ -1,4 +1,4 @@
-/* A measurement taken by the estimator's filters, of any numbers: nine states, and twelve of the bank. */
+/* A measurement taken by the estimator's filters, of any numbers: each number of states that its contract allows. */
 #include "filter.h"
 
 #include "__fc_builtin.h"
@@ -15,16 +15,16 @@ static void fill(int n, double x[])
 
 int main(void)
 {
-    double y[3], r[3], H[9], P9[81], P12[144];
-    LongCorrection by_nine, by_twelve;
+    double y[3], r[3], H[9], P[144];
     fill(3, y);
     fill(3, r);
     fill(9, H);
-    fill(81, P9);
-    fill(144, P12);
     const Innovation innovation = {
         vector(y), {vector(H), vector(H + 3), vector(H + 6)}, any_integer != 0, vector(r), 0.0};
-    (void)estimator_correct_states(&innovation, 9, P9, &by_nine);
-    (void)estimator_correct_states(&innovation, 12, P12, &by_twelve);
+    for (int n = 1; n <= 12; ++n) {
+        LongCorrection by;
+        fill(144, P);
+        (void)estimator_correct_states(&innovation, n, P + 144 - n * n, &by);
+    }
     return 0;
 }

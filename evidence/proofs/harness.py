@@ -37,8 +37,6 @@ extern volatile float any_single;
 volatile double seen_real;
 volatile int seen_integer;
 
-static {title}Law law;
-
 static void fill_parameters({title}Parameters *p)
 {{
 {parameters}
@@ -59,48 +57,65 @@ static double any_step(void)
     return {step};
 }}
 
-static void look(const {title}State *x)
+/* What a refusal says outlives the call. */
+static void read_fault(const Fault *f)
+{{
+    seen_integer = f->name[0];
+    seen_integer = f->expected[0];
+    if (f->text != 0) {{
+        seen_integer = f->text[0];
+    }}
+    seen_real = f->value;
+}}
+
+static void look({title}Law *law, const {title}State *x)
 {{
     Fault f = {{"", "", 0, 0.0}};
     {title}Inputs u;
     {title}Outputs y;
     fill_inputs(&u);
-    if ({name}_outputs(&law, x, &u, &y, &f)) {{
+    if ({name}_outputs(law, x, &u, &y, &f)) {{
         read_outputs(&y);
+    }} else {{
+        read_fault(&f);
     }}
 }}
 
 /* What a refused step leaves is a state, too. */
-static void move({title}State *x)
+static void move({title}Law *law, {title}State *x)
 {{
     Fault f = {{"", "", 0, 0.0}};
     {title}Inputs u;
     {title}Outputs y;
     fill_inputs(&u);
-    if ({name}_step(&law, x, &u, any_step(), &y, &f)) {{
+    if ({name}_step(law, x, &u, any_step(), &y, &f)) {{
         read_outputs(&y);
+    }} else {{
+        read_fault(&f);
     }}
 }}
 
 /* What flight software may do between two steps: other parameters, with the state as it is. */
-static void change(void)
+static void change({title}Law *law)
 {{
     {title}Parameters p;
     Fault f = {{"", "", 0, 0.0}};
     fill_parameters(&p);
     if ({name}_check(&p, &f)) {{
-    {split}    {name}_prepare(&p, &law);
+    {split}    {name}_prepare(&p, law);
+    }} else {{
+        read_fault(&f);
     }}
 }}
 
-static void fly({title}State *x)
+static void fly({title}Law *law, {title}State *x)
 {{
     //@ loop widen_hints "all", {counts};
     while (any_integer != 0{while_time}) {{
-        look(x);
-        move(x);
+        look(law, x);
+        move(law, x);
         if (any_integer != 0) {{
-            change();
+            change(law);
         }}
     }}
 }}
@@ -109,18 +124,21 @@ int main(void)
 {{
     {title}Parameters p;
     {title}Inputs u;
+    {title}Law law; /* not set: prepare has to */
     {title}State x;
     Fault f = {{"", "", 0, 0.0}};
     fill_parameters(&p);
     if (!{name}_check(&p, &f)) {{
+        read_fault(&f);
         return 1;
     }}
 {split}    {name}_prepare(&p, &law);
     fill_inputs(&u);
     if (!{name}_start(&law, &u, &x, &f)) {{
+        read_fault(&f);
         return 2;
     }}
-    fly(&x);
+    fly(&law, &x);
     return 0;
 }}
 """

@@ -94,9 +94,18 @@ def c_of(root: Path) -> Iterator[tuple[str, str]]:
             yield path.relative_to(root).as_posix(), path.read_text("utf-8")
 
 
+_PROMISES = r"#ifdef __FRAMAC__\n(?:/\*[^\n]*\*/\n)*(?:#define (?:[^\n]*\\\n)+[^\n]*\n)+(?:/\*[^\n]*\*/\n)*#endif"
+_ASSERTIONS = r"#ifdef PROOF_\w+\n(?: *//@[^\n]*\n)+#endif"
+_APART = re.compile(f"{_PROMISES}|{_ASSERTIONS}")
+"""What a proof may read and a compiler not: macros of contracts, and assertions."""
+
+
 def refuse_assumptions(root: Path) -> None:
-    """Raises InputError where the C of `root` asks a proof to take something as given, or has a goto."""
+    """Raises InputError where the C of `root` asks a proof to take something as given, has a goto, or is another C for
+    the proof than for the compiler."""
     for name, text in c_of(root):
+        if other := re.search(r"#undef|__FRAMAC__|\bPROOF_\w+", _APART.sub("", text)):
+            raise InputError(f"{name}: {other[0]}: expected the C that flies, and contracts or assertions beside it")
         given = [note for note in re.findall(r"/\*@.*?\*/|//@[^\n]*", text, re.DOTALL) if _ASSUMES.search(note)]
         if given or re.search(r"\bgoto \w+;", text):
             raise InputError(f"{name}: {given[0] if given else 'goto'}: expected a proof, not an assumption")

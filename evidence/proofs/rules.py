@@ -61,7 +61,7 @@ def findings() -> Found:
 def _of_tools(sources: list[Path], include: list[str], folder: str) -> set[tuple[str, str, str]]:
     """Rule, file and line of each finding; cppcheck's own files go to a folder, since it leaves them where it is
     stopped."""
-    shape = "--template={id}|{file}|{line}:{column}"
+    shape = "--template={id}|{file}|{line}:{column}|{severity}"
     words = [
         "-q",
         "--addon=misra",
@@ -74,8 +74,9 @@ def _of_tools(sources: list[Path], include: list[str], folder: str) -> set[tuple
     places = set()
     for line in _output([tool("cppcheck"), *words, *include, *map(str, sources)]).splitlines():
         rule, _, place = line.partition("|")
-        if rule.startswith("misra-c2012-") and rule.removeprefix("misra-c2012-") not in ADVISORY:
-            file, _, where = place.partition("|")
+        file, _, where = place.partition("|")
+        is_misra = rule.startswith("misra-c2012-") and rule.removeprefix("misra-c2012-") not in ADVISORY
+        if is_misra or where.endswith("|error"):
             places.add((rule, _named(file), where))
     for line in _output(
         [tool("clang-tidy"), "-quiet", f"-checks={CHECKS}", *map(str, sources), "--", "-std=c11", *include]

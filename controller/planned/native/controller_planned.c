@@ -42,10 +42,10 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
 /*@ requires \separated(law, y, f);
     assigns y->dipole_ff[0 .. 2], y->wheel_torque_ff, *f;
     CONTROLLER_PLANNED_FINITE
-    COMMANDS_WITHIN(law->limits) */
+    COMMANDS_WITHIN(&law->p) */
 static bool give(const ControllerPlannedLaw *law, ControllerPlannedOutputs *y, Fault *f)
 {
-    return controller_planned_give(law->limits, y, f);
+    return controller_planned_give(&law->p, y, f);
 }
 
 /* Of the orbit through position and velocity, or of a low one where they give none. */
@@ -146,7 +146,7 @@ bool controller_planned_start(ControllerPlannedLaw *law, const ControllerPlanned
 
 /*@ requires \separated(law, x, y, f);
     CONTROLLER_PLANNED_FINITE
-    COMMANDS_WITHIN(law->limits) */
+    COMMANDS_WITHIN(&law->p) */
 bool controller_planned_outputs(const ControllerPlannedLaw *law, const ControllerPlannedState *x,
                                 const ControllerPlannedInputs *u, ControllerPlannedOutputs *y, Fault *f)
 {
@@ -169,7 +169,7 @@ bool controller_planned_outputs(const ControllerPlannedLaw *law, const Controlle
 
 /*@ requires \separated(law, x, y, f);
     CONTROLLER_PLANNED_FINITE
-    COMMANDS_WITHIN(law->limits) */
+    COMMANDS_WITHIN(&law->p) */
 bool controller_planned_step(ControllerPlannedLaw *law, ControllerPlannedState *x, const ControllerPlannedInputs *u,
                              double h, ControllerPlannedOutputs *y, Fault *f)
 {

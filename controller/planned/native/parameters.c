@@ -130,8 +130,6 @@ void controller_planned_prepare(const ControllerPlannedParameters *p, Controller
     law->gains_fit = false;
     law->R_d0 = nearest_rotation(matrix(p->R_d0));
     law->rod_axes = with_unit_rows(matrix(p->rod_axes));
-    store(controller_planned_rod_dipoles(p), law->limits);
-    law->limits[3] = p->wheel_torque_max;
     law->wheel_axis = unit_vector(vector(p->wheel_axis));
     onboard_field(&gauss_models[p->field_model - 1], days_of_text(p->epoch), p->field_degree, p->field_error,
                   &law->field);

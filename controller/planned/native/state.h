@@ -73,7 +73,6 @@ typedef struct {
     Matrix R_d0;     /* projected onto SO(3) */
     Matrix rod_axes; /* rows, unit */
     Vector wheel_axis;
-    double limits[CONTROLS]; /* A m2 of each rod, N m of the wheel */
     OnboardField field;
     double field_tolerance; /* T, of a measured field to that of the model */
     Workspace workspace;

@@ -105,13 +105,14 @@ PROBE void probe_wheel_rate(const ControllerPlannedParameters *p, double dt, dou
 PROBE void probe_guard(const double rods[3], double torque_max, double commands[7], unsigned char *refused)
 {
     Fault f = {"", "", NULL, 0.0};
-    const double limits[CONTROLS] = {rods[0], rods[1], rods[2], torque_max};
+    ControllerPlannedParameters p = {.dipole_max = 1.0, .rod_limits = {rods[0], rods[1], rods[2]}};
+    p.wheel_torque_max = torque_max;
     ControllerPlannedOutputs y;
     memset(&y, 0, sizeof y);
     memcpy(y.dipole_ff, commands, sizeof y.dipole_ff);
     y.wheel_torque_ff = commands[3];
     memcpy(y.tau_cmd_B, commands + 4, sizeof y.tau_cmd_B);
-    *refused = controller_planned_give(limits, &y, &f) ? 0 : (unsigned char)f.name[0];
+    *refused = controller_planned_give(&p, &y, &f) ? 0 : (unsigned char)f.name[0];
     memcpy(commands, y.dipole_ff, sizeof y.dipole_ff);
     commands[3] = y.wheel_torque_ff;
     memcpy(commands + 4, y.tau_cmd_B, sizeof y.tau_cmd_B);

@@ -39,7 +39,7 @@ def test_outputs_and_step_of_each_block_that_flies_promise_what_its_guard_does(b
     text = (PACKAGES / contract.file).read_text("utf-8")
     code = Block.named(block).interface.code
     for call in ("outputs", "step"):
-        limits = r"\n    COMMANDS_WITHIN\(law->limits\)" if code == "controller_planned" else ""
+        limits = r"\n    COMMANDS_WITHIN\(&law->p\)" if code == "controller_planned" else ""
         assert re.search(rf"{code.upper()}_FINITE{limits} \*/\nbool {code}_{call}\(", text)
         assert f"{code}_{call}" in contract.functions
 

@@ -4,17 +4,16 @@
 #define CONTROLLER_PLANNED_DECIDE_GUARD_H
 
 #include "controller_planned_guard.h"
-#include "motion.h"
 
 /*@ predicate is_within(double command, double limit) =
         \le_double(\neg_double(limit), command) && \le_double(command, limit); */
 #ifdef __FRAMAC__
 /* clang-format off */
-#define COMMANDS_WITHIN(limits) \
-    ensures \result ==> is_within(y->dipole_ff[0], (limits)[0]); \
-    ensures \result ==> is_within(y->dipole_ff[1], (limits)[1]); \
-    ensures \result ==> is_within(y->dipole_ff[2], (limits)[2]); \
-    ensures \result ==> is_within(y->wheel_torque_ff, (limits)[3]);
+#define COMMANDS_WITHIN(p) \
+    ensures \result ==> is_within(y->dipole_ff[0], \mul_double((p)->dipole_max, (p)->rod_limits[0])); \
+    ensures \result ==> is_within(y->dipole_ff[1], \mul_double((p)->dipole_max, (p)->rod_limits[1])); \
+    ensures \result ==> is_within(y->dipole_ff[2], \mul_double((p)->dipole_max, (p)->rod_limits[2])); \
+    ensures \result ==> is_within(y->wheel_torque_ff, (p)->wheel_torque_max);
 /* clang-format on */
 #endif
 
@@ -38,28 +37,31 @@ static inline bool is_command(double command, double limit)
 }
 
 /*@ assigns \nothing;
-    COMMANDS_WITHIN(limits) */
-static inline bool are_commands(const double limits[CONTROLS], const ControllerPlannedOutputs *y)
+    COMMANDS_WITHIN(p) */
+static inline bool are_commands(const ControllerPlannedParameters *p, const ControllerPlannedOutputs *y)
 {
-    return is_command(y->dipole_ff[0], limits[0]) && is_command(y->dipole_ff[1], limits[1]) &&
-           is_command(y->dipole_ff[2], limits[2]) && is_command(y->wheel_torque_ff, limits[3]);
+    return is_command(y->dipole_ff[0], p->dipole_max * p->rod_limits[0]) &&
+           is_command(y->dipole_ff[1], p->dipole_max * p->rod_limits[1]) &&
+           is_command(y->dipole_ff[2], p->dipole_max * p->rod_limits[2]) &&
+           is_command(y->wheel_torque_ff, p->wheel_torque_max);
 }
 
-/* Each command is brought within its limit, of three rods and the wheel, A m2 and N m; outputs that are no finite numbers are refused. */
-/*@ requires \separated(limits + (0 .. 3), y, f);
+/* Each command is brought within its limit, of three rods and the wheel; outputs that are no finite numbers are
+ * refused. */
+/*@ requires \separated(p, y, f);
     assigns y->dipole_ff[0 .. 2], y->wheel_torque_ff, *f;
     CONTROLLER_PLANNED_FINITE
-    COMMANDS_WITHIN(limits) */
-static inline bool controller_planned_give(const double limits[CONTROLS], ControllerPlannedOutputs *y, Fault *f)
+    COMMANDS_WITHIN(p) */
+static inline bool controller_planned_give(const ControllerPlannedParameters *p, ControllerPlannedOutputs *y, Fault *f)
 {
-    bring_within(&y->dipole_ff[0], limits[0]);
-    bring_within(&y->dipole_ff[1], limits[1]);
-    bring_within(&y->dipole_ff[2], limits[2]);
-    bring_within(&y->wheel_torque_ff, limits[3]);
+    bring_within(&y->dipole_ff[0], p->dipole_max * p->rod_limits[0]);
+    bring_within(&y->dipole_ff[1], p->dipole_max * p->rod_limits[1]);
+    bring_within(&y->dipole_ff[2], p->dipole_max * p->rod_limits[2]);
+    bring_within(&y->wheel_torque_ff, p->wheel_torque_max);
     if (!controller_planned_guard(y, f)) {
         return false;
     }
-    return are_commands(limits, y) || fault(f, "dipole_ff", NAN, "commands within their limits");
+    return are_commands(p, y) || fault(f, "dipole_ff", NAN, "commands within their limits");
 }
 
 #endif

@@ -13,7 +13,7 @@ static const double BIAS_TIME = 60.0, BIAS_MAX = 2e-5; /* s, T */
 /* The rods' dipoles at their limit. */
 static void set_rods(const ControllerPlannedLaw *law, Model *model)
 {
-    const Vector limit = vector(law->limits);
+    const Vector limit = controller_planned_rod_dipoles(&law->p);
     model->rods[0] = scale(limit.x, law->rod_axes.a);
     model->rods[1] = scale(limit.y, law->rod_axes.b);
     model->rods[2] = scale(limit.z, law->rod_axes.c);
