@@ -77,7 +77,9 @@ def refuse_unproved(text: str, contract: Contract) -> None:
     """Raises InputError where a function of the file has a contract that is not asked for, or calls another behind its
     guard."""
     functions = re.findall(r"^(?:static |inline )*\w[\w *]*?\b(\w+)\([^;{}]*?\)\n\{\n(.*?)^\}", text, re.M | re.S)
-    stated = re.findall(r"\*/\n(?:static |inline )*\w[\w *]*?\b(\w+)\([^;{}]*?\)\n\{", re.sub(r"/\*[^@].*?\*/", "", text, flags=re.S))
+    stated = re.findall(
+        r"\*/\n(?:static |inline )*\w[\w *]*?\b(\w+)\([^;{}]*?\)\n\{", re.sub(r"/\*[^@].*?\*/", "", text, flags=re.S)
+    )
     if others := sorted(set(stated) - {*contract.functions}):
         raise InputError(f"{contract.file}: {others[0]} has a contract that is not proved; remedy: contracts.py")
     for name, body in functions:

@@ -95,16 +95,19 @@ def c_of(root: Path) -> Iterator[tuple[str, str]]:
 
 
 _PROMISES = r"#ifdef __FRAMAC__\n(?:/\*[^\n]*\*/\n)*(?:#define (?:[^\n]*\\\n)+[^\n]*\n)+(?:/\*[^\n]*\*/\n)*#endif"
-_ASSERTIONS = r"#ifdef PROOF_\w+\n(?: *//@[^\n]*\n)+#endif"
-_APART = re.compile(f"{_PROMISES}|{_ASSERTIONS}")
-"""What a proof may read and a compiler not: macros of contracts, and assertions."""
+_ANNOTATIONS = r"#ifdef PROOF_\w+\n(?: *//@[^\n]*\n|/\*@(?:(?!\*/).)*\*/\n)+#endif"
+_ELSEWHERE = r"#ifdef PROOF_APART\nextern [^;{}]*;\n#else\nstatic inline "
+_APART = re.compile(f"{_PROMISES}|{_ANNOTATIONS}|{_ELSEWHERE}", re.DOTALL)
+"""What a proof may read and a compiler not: macros of contracts, annotations, and prototypes for what another program
+proves."""
 
 
 def refuse_assumptions(root: Path) -> None:
     """Raises InputError where the C of `root` asks a proof to take something as given, has a goto, or is another C for
     the proof than for the compiler."""
     for name, text in c_of(root):
-        if other := re.search(r"#undef|__FRAMAC__|\bPROOF_\w+", _APART.sub("", text)):
+        other = re.search(r"#undef|__FRAMAC__|\bPROOF_\w+", _APART.sub("", text))
+        if other and "/shell" not in name:
             raise InputError(f"{name}: {other[0]}: expected the C that flies, and contracts or assertions beside it")
         given = [note for note in re.findall(r"/\*@.*?\*/|//@[^\n]*", text, re.DOTALL) if _ASSUMES.search(note)]
         if given or re.search(r"\bgoto \w+;", text):
