@@ -10,13 +10,14 @@ import shutil
 
 import pytest
 
-from evidence.proofs.contracts import CONTRACTS
+from evidence.proofs.contracts import CONTRACTS, refuse_unproved
 from evidence.proofs.coverage import FLIGHT
 from fmus.block import Block
 from fmus.interface import BLOCKS, load
 from fmus.native.generate import members_of
 from fmus.native.guard import guard_header
 from fmus.places import PACKAGES
+from orchestration import InputError
 
 
 @pytest.mark.parametrize("block", BLOCKS)
@@ -42,6 +43,33 @@ def test_outputs_and_step_of_each_block_that_flies_promise_what_its_guard_does(b
         limits = r"\n    COMMANDS_WITHIN\(&law->p\)" if code == "controller_planned" else ""
         assert re.search(rf"{code.upper()}_FINITE{limits} \*/\nbool {code}_{call}\(", text)
         assert f"{code}_{call}" in contract.functions
+
+
+@pytest.mark.parametrize(
+    ("block", "old", "new", "says"),
+    [
+        (
+            "supervisor",
+            "    return outputs_of(law, x, u, y, f) && supervisor_guard(y, f);",
+            "    const bool given = outputs_of(law, x, u, y, f) && supervisor_guard(y, f);\n"
+            "    done();\n    return given;",
+            "supervisor_outputs: done(...) behind the guard",
+        ),
+        (
+            "controller_planned_wheels",
+            "bool controller_planned_wheels_outputs(",
+            "bool other(int x)\n{\n    return x > 0;\n}\n\nbool controller_planned_wheels_outputs(",
+            "other has a contract that is not proved",
+        ),
+    ],
+)
+def test_a_call_behind_the_guard_and_a_contract_that_nobody_proves_are_refused(block, old, new, says):
+    contract = next(c for c in CONTRACTS if c.title == f"guard, {block}")
+    text = (PACKAGES / contract.file).read_text("utf-8")
+    refuse_unproved(text, contract)
+    assert text.count(old) == 1
+    with pytest.raises(InputError, match=re.escape(says)):
+        refuse_unproved(text.replace(old, new), contract)
 
 
 @pytest.mark.thorough

@@ -86,6 +86,7 @@ def test_a_planted_fault_is_found(number, tmp_path):
         ("fmus/native/freestanding/elementary.c", "shift = 6755399441055744.0", "shift = 1.0"),
         ("allocator/native/allocator.c", "ACROSS_MIN = 1e-3", "ACROSS_MIN = 0.0"),
         ("controller/native/controller.c", "store_matrix(nearest_rotation(", "store_matrix(transposed("),
+        ("fmus/native/common/rotation.h", "ensures -1.01 <= \\result.a.x <=", "ensures -0.5 <= \\result.a.x <="),
     ],
 )
 def test_an_argument_rests_on_what_its_functions_call_on_constants_and_on_callers(tmp_path, file, old, new):

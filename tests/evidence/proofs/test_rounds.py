@@ -75,6 +75,30 @@ def test_c_that_asks_to_take_something_as_given_is_refused(tmp_path, text):
         refuse_assumptions(tmp_path)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "#ifndef __FRAMAC__\n    y[9] = 0.0;\n#endif",
+        "#ifdef __FRAMAC__\n    y[0] = 0.0;\n#endif",
+        "#ifdef __FRAMAC__\n#undef A_FINITE\n#endif",
+        "#ifdef PROOF_APART\n    //@ assert x > 1;\n    y[0] = 0.0;\n#endif",
+        "#ifdef PROOF_APART\nextern int f(int x);\n#endif",
+    ],
+)
+def test_c_that_is_another_for_the_proof_than_for_the_compiler_is_refused(tmp_path, text):
+    path = tmp_path / "allocator" / "a.c"
+    path.parent.mkdir()
+    path.write_text(
+        "#ifdef __FRAMAC__\n#define A_FINITE(y) \\\n    ensures x;\n#endif\n"
+        "#ifdef PROOF_APART\n    //@ assert x > 1;\n#endif\n"
+        "#ifdef PROOF_APART\nextern int f(int x);\n#else\nstatic inline int f(int x)\n{\n    return x;\n}\n#endif\n"
+    )
+    refuse_assumptions(tmp_path)
+    path.write_text(f"{text}\n")
+    with pytest.raises(InputError, match="allocator/a.c: .*expected the C that flies"):
+        refuse_assumptions(tmp_path)
+
+
 def test_a_loop_is_proved_only_where_every_program_that_has_it_proves_it():
     assert proved([(("a", True), ("b", True)), (("b", False),)]) == {"a": True, "b": False}
 
