@@ -1,9 +1,9 @@
 """The matrix of requirements: which code, tests, scenarios and proofs name each, as a page, a table and ReqIF.
 
 Code says `Requirement: CT-1.`, evidence `Shows CT-1.`: in a docstring, or in the comment at the head of C and YAML.
-Any other mention counts for nothing. That of a module of tests counts where none of its tests is always skipped, that
-of a proof where the proofs' make.py imports it, that of C where there is a function or a value. A requirement on what
-flies needs C, and each a test or a proof.
+Any other mention counts for nothing. `make trace` runs the tests that say so: what does not pass, or is skipped, is no
+evidence, nor is a module where one of its tests is such. That of a proof counts where the proofs' make.py imports it,
+that of C where there is a function or a value. A requirement on what flies needs C, and a proof or a test that runs C.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from orchestration import InputError
 from ..paper import ROOT
 from ..tools import without_comments
 from . import reqif
+from .ran import Passed, passed, runs_c
 
 FILE = Path(__file__).with_name("requirements.yaml")
 OUT = ROOT / "out" / "trace"
@@ -49,13 +50,17 @@ class Requirement:
     code: str = "c"
     """What has to name it: `c`, `python`, or `all` the flight code, which names it nowhere."""
     evidence: dict[str, list[str]] = field(default_factory=lambda: {kind: [] for kind in KINDS})
+    of_c: bool = False
+    """Whether one of the tests runs C."""
 
     @property
     def lacks(self) -> str:
         """What is missing; empty where nothing is."""
         if self.code != "all" and not self.evidence[_CODE[self.code]]:
             return _CODE[self.code]
-        return "" if self.evidence["tests"] or self.evidence["proofs"] else "a test or a proof"
+        if not (self.evidence["tests"] or self.evidence["proofs"]):
+            return "a test or a proof"
+        return "" if self.code != "c" or self.of_c or self.evidence["proofs"] else "a test that runs C"
 
 
 def requirements(file: Path = FILE) -> dict[str, Requirement]:
@@ -67,15 +72,21 @@ def requirements(file: Path = FILE) -> dict[str, Requirement]:
     return known
 
 
-def matrix(known: dict[str, Requirement], root: Path = ROOT) -> tuple[list[Requirement], list[str]]:
-    """The requirements with their evidence, and `file: id` of each id that is no requirement's."""
+def matrix(
+    known: dict[str, Requirement], root: Path = ROOT, good: Passed | None = None
+) -> tuple[list[Requirement], list[str]]:
+    """The requirements with their evidence, and `file: id` of each id that is no requirement's.
+
+    `good`: the tests that passed; None: all that there are.
+    """
     strangers = []
     for kind, (folders, names) in KINDS.items():
         for path in _files(root, folders, names):
             name = path.relative_to(root).as_posix()
-            for id_ in sorted(_named(kind, path)):
+            for id_ in sorted(_named(kind, path, None if good is None else good.get(name, set()))):
                 if id_ in known:
                     known[id_].evidence[kind].append(name)
+                    known[id_].of_c |= kind == "tests" and runs_c(path, root)
                 else:
                     strangers.append(f"{name}: {id_}")
     return list(known.values()), strangers
@@ -101,10 +112,10 @@ def _imported(path: Path) -> set[Path]:
     return found
 
 
-def _named(kind: str, path: Path) -> set[str]:
+def _named(kind: str, path: Path, good: set[str] | None) -> set[str]:
     """The ids that a file says it fulfils or shows."""
     word = r"Requirements?:" if kind.startswith("code") else "Shows"
-    texts = _docstrings(path) if path.suffix == ".py" else _head(path)
+    texts = _docstrings(path, good) if path.suffix == ".py" else _head(path)
     said = re.compile(rf"(?:^|[ *]){word} ({_IDS})\.(?:\s|$)", re.MULTILINE)
     return {id_ for text in texts for ids in said.findall(text) for id_ in ids.split(", ")}
 
@@ -119,31 +130,17 @@ def _head(path: Path) -> Iterator[str]:
         yield found[0].replace("*/", "\n")
 
 
-def _docstrings(path: Path) -> Iterator[str]:
-    """Of the module, its classes and functions; in a file of tests of those that are not always skipped, and of the
-    module where all are such."""
+def _docstrings(path: Path, good: set[str] | None) -> Iterator[str]:
+    """Of the module, its classes and functions; in a file of tests of those that passed, and of the module where all
+    did."""
     tree = ast.parse(path.read_text("utf-8"))
     parts = [node for node in ast.walk(tree) if isinstance(node, (ast.ClassDef, ast.FunctionDef))]
     if path.name.startswith("test_"):
-        named = [n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name.startswith("test_")]
-        parts = [node for node in named if _tests(node)]
-        aside = [ast.unparse(node) for node in tree.body if not isinstance(node, (ast.FunctionDef, ast.ClassDef))]
-        if not parts or any(map(_SKIPS.search, aside)):
-            return
-        if len(parts) < len(named):
+        tests = [n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name.startswith("test_")]
+        parts = [node for node in tests if good is None or node.name in good]
+        if not parts or len(parts) < len(tests):
             tree.body = tree.body[1:]  # without its docstring
     yield from (text for node in (tree, *parts) if (text := ast.get_docstring(node)))
-
-
-_SKIPS = re.compile(r"\bmark\.(?:skip|xfail)\b|\bmark\.skipif\(True\b|\bunittest\.skip|^pytest\.(?:skip|xfail)\(")
-
-
-def _tests(node: ast.FunctionDef) -> bool:
-    """Whether pytest runs this test, whatever is there, and it does something."""
-    body = node.body[ast.get_docstring(node) is not None :]
-    said = [ast.unparse(part) for part in (*node.decorator_list, *body)]
-    does = any(ast.unparse(part) not in ("pass", "...", "assert True") for part in body)
-    return does and not any(map(_SKIPS.search, said))
 
 
 def write(rows: Sequence[Requirement], folder: Path = OUT) -> Path:
@@ -169,7 +166,8 @@ def write(rows: Sequence[Requirement], folder: Path = OUT) -> Path:
 
 def make() -> Path:
     """Writes the matrix. Raises InputError where a requirement lacks evidence, or evidence a requirement."""
-    rows, strangers = matrix(requirements())
+    written, _ = matrix(requirements())
+    rows, strangers = matrix(requirements(), good=passed({file for r in written for file in r.evidence["tests"]}, ROOT))
     page = write(rows)
     wrong = [f"{r.id}: {r.text} lacks {r.lacks}" for r in rows if r.lacks]
     wrong += [f"{stranger}: no such requirement in {FILE.name}" for stranger in strangers]

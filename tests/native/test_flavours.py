@@ -1,5 +1,8 @@
 """The C and the Python of each block give the same outputs: 1e-9 relative in every port, on random inputs and
-options."""
+options.
+
+Shows CT-1, CT-2, CT-3, AL-1, AL-2, AB-1, SV-1, SV-2, ES-1, ES-3.
+"""
 
 from __future__ import annotations
 

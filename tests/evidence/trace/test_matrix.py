@@ -11,6 +11,7 @@ from reqif.parser import ReqIFParser
 
 from evidence.trace import reqif
 from evidence.trace.matrix import Requirement, make, matrix, requirements, write
+from evidence.trace.ran import passed
 from orchestration import InputError
 
 PROOFS = "evidence/proofs"
@@ -36,7 +37,7 @@ def planted(tmp_path, **files):
 
 C = "/* A wheel. Requirement: ZZ-1. Tests: a.py. */\nint x;\n"
 OF_ALL = "'''Of all.\n\nShows ZZ-1.\n'''\n"
-SHOWN = "def test_it():\n    '''It turns.\n\n    Shows ZZ-1.\n    '''\n    assert turned()\n"
+SHOWN = "import ctypes\n\ndef test_it():\n    '''It turns.\n\n    Shows ZZ-1.\n    '''\n    assert turned()\n"
 
 
 def test_each_requirement_of_the_project_has_code_and_a_test_or_a_proof():
@@ -51,6 +52,7 @@ def test_a_planted_requirement_without_a_test_is_named(tmp_path, monkeypatch):
     file.write_text("- {id: FC-99, text: Nobody shows this., source: a dream}\n")
     monkeypatch.setattr("evidence.trace.matrix.requirements", lambda: requirements() | requirements(file))
     monkeypatch.setattr("evidence.trace.matrix.write", lambda rows: tmp_path)
+    monkeypatch.setattr("evidence.trace.matrix.passed", lambda files, root: {})
     with pytest.raises(InputError, match="FC-99: Nobody shows this. lacks code in C"):
         make()
 
@@ -67,26 +69,12 @@ def test_a_planted_requirement_without_a_test_is_named(tmp_path, monkeypatch):
         ({"c_a": C.replace("int x;", '#include "x.h"'), "test_a": SHOWN}, "code in C"),
         ({"c_a": C, "test_a": "# Shows ZZ-1.\n" + SHOWN.replace("Shows", "Not yet:")}, "a test or a proof"),
         ({"c_a": C, "test_a": SHOWN.replace("ZZ-1", "ZZ-10")}, "a test or a proof"),
-        ({"c_a": C, "test_a": "@pytest.mark.skip\n" + SHOWN}, "a test or a proof"),
-        ({"c_a": C, "test_a": "@pytest.mark.xfail(reason='')\n" + SHOWN}, "a test or a proof"),
-        ({"c_a": C, "test_a": "pytestmark = [pytest.mark.skip]\n" + SHOWN}, "a test or a proof"),
         ({"c_a": C, "test_a": "'''Shows ZZ-1.'''\n"}, "a test or a proof"),
         ({"c_a": C, "test_a": SHOWN.replace("test_it", "helper")}, "a test or a proof"),
+        ({"c_a": C, "test_a": SHOWN.replace("import ctypes", "import math")}, "a test that runs C"),
+        ({"c_a": C, "test_a": SHOWN.replace("import ctypes", "from . import test_b"), "test_b": "import ctypes\n"}, ""),
         ({"c_a": C, "flown_a": "# Shows ZZ-1.\nname: a\n"}, "a test or a proof"),
-        ({"c_a": C, "test_a": "@pytest.mark.skipif(True)\n" + SHOWN}, "a test or a proof"),
-        ({"c_a": C, "test_a": "@unittest.skip\n" + SHOWN}, "a test or a proof"),
-        ({"c_a": C, "test_a": SHOWN.replace("assert turned()", "pytest.skip()")}, "a test or a proof"),
-        ({"c_a": C, "test_a": "pytest.skip(allow_module_level=True)\n" + SHOWN}, "a test or a proof"),
-        ({"c_a": C, "test_a": "pytestmark: object = pytest.mark.skip\n" + SHOWN}, "a test or a proof"),
-        ({"c_a": C, "test_a": SHOWN.replace("assert turned()", "assert True")}, "a test or a proof"),
-        ({"c_a": C, "test_a": SHOWN.replace("    assert turned()\n", "")}, "a test or a proof"),
         ({"c_a": C, "test_a": "def helper():\n    def test_it():\n        '''Shows ZZ-1.'''\n"}, "a test or a proof"),
-        ({"c_a": C, "test_a": "@pytest.mark.skipif(no_compiler)\n" + SHOWN}, ""),
-        ({"c_a": C, "test_a": f"{OF_ALL}def test_a():\n    assert turned()\n"}, ""),
-        (
-            {"c_a": C, "test_a": f"{OF_ALL}def test_a():\n    assert turned()\ndef test_b():\n    pytest.skip()\n"},
-            "a test or a proof",
-        ),
         ({"c_a": C, "proof_a": OF_ALL, "make": "from .other import of\n"}, "a test or a proof"),
         ({"c_a": C, "proof_a": OF_ALL, "make": "from . import proof_b\n", "proof_b": "from .proof_a import of\n"}, ""),
     ],
@@ -94,6 +82,34 @@ def test_a_planted_requirement_without_a_test_is_named(tmp_path, monkeypatch):
 def test_a_requirement_needs_c_and_a_test_or_a_proof_that_says_so(tmp_path, files, lacks):
     rows, _ = planted(tmp_path, **files)
     assert rows[0].lacks == lacks
+
+
+RUN = {
+    "passes": "def test_it():\n    assert sum([1]) == 1\n",
+    "fails": "def test_it():\n    assert sum([1]) == 2\n",
+    "skips": "import pytest\n@pytest.mark.skipif(not False, reason='')\ndef test_it():\n    pass\n",
+    "leaves": "import pytest\n@pytest.fixture(autouse=True)\ndef out():\n    pytest.skip()\ndef test_it():\n    pass\n",
+    "lacks": "import pytest\npytest.importorskip('no_such_module')\ndef test_it():\n    pass\n",
+    "none": "import pytest\n@pytest.mark.parametrize('x', [])\ndef test_it(x):\n    pass\n",
+    "off": "__test__ = False\ndef test_it():\n    pass\n",
+    "some": "import pytest\n@pytest.mark.parametrize('x', [1, 2])\ndef test_it(x):\n    assert x == 1\n",
+}
+
+
+def test_a_test_that_fails_or_is_skipped_in_any_way_is_no_evidence(tmp_path):
+    for name, text in RUN.items():
+        (tmp_path / f"test_{name}.py").write_text(text)
+    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    good = passed([f"test_{name}.py" for name in RUN], tmp_path)
+    assert {file: names for file, names in good.items() if names} == {"test_passes.py": {"test_it"}}
+
+
+def test_of_a_module_all_tests_have_to_pass(tmp_path):
+    files = {"c_a": C, "test_a": f"{OF_ALL}import ctypes\ndef test_a():\n    pass\ndef test_b():\n    pass\n"}
+    assert planted(tmp_path, **files)[0][0].lacks == ""
+    for names, lacks in (({"test_a", "test_b"}, ""), ({"test_a"}, "a test or a proof"), (set(), "a test or a proof")):
+        known = {"ZZ-1": Requirement("ZZ-1", "It turns.", "[8]")}
+        assert matrix(known, tmp_path, {"tests/test_a.py": names})[0][0].lacks == lacks
 
 
 @pytest.mark.parametrize("stranger", ["ZZ-7", "QQ-1"])
