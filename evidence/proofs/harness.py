@@ -124,7 +124,7 @@ int main(void)
 {{
     {title}Parameters p;
     {title}Inputs u;
-    {title}Law law; /* not set: prepare has to */
+    {law}
     {title}State x;
     Fault f = {{"", "", 0, 0.0}};
     fill_parameters(&p);
@@ -155,15 +155,17 @@ def harness(interface: Interface, span: Range) -> str:
         "inputs": "\n".join(filled("u", v) for v in interface.of("input")),
     }
     outputs = "\n".join(_read(f"y->{v.name}", v, shape_in_c(interface, v), span) for v in interface.of("output"))
+    title, has_field = camel_case(interface.code), "field_model" in interface.variables
     return _TEXT.format(
         name=interface.code,
         range=span,
-        title=camel_case(interface.code),
+        title=title,
         outputs=outputs,
         step="any_real" if span == "any" else f"Frama_C_double_interval(0x1p-20, {STEP_MAX!r})",
         while_time=f" && x->t <= {TIME_MAX!r}" if span == "limits" else "",
         counts=", ".join(map(str, COUNTS)),
-        split="    //@ split p.field_model;\n" if "field_model" in interface.variables else "",
+        law=f"static {title}Law law;" if has_field else f"{title}Law law; /* not set: prepare has to */",
+        split="    //@ split p.field_model;\n" if has_field else "",
         **parts,
     )
 
