@@ -36,7 +36,8 @@ def unmeasured(four_wheels: Path) -> Path:
     path = four_wheels.with_name("unmeasured.yaml")
     path.write_text(
         four_wheels.read_text("utf-8")
-        .replace("  - sensors.h_w_measured -> estimator.h_w\n", "")
+        .replace("  - allocator.h_w_estimate -> estimator.h_w\n", "")
+        .replace("allocator.h_w_estimate -> controller.h_w", "plant.h_w -> controller.h_w")
         .replace("sensors.h_w_measured ->", "plant.h_w ->"),
         "utf-8",
     )
