@@ -6,6 +6,7 @@ Tests: tests/design/review/test_review.py.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -128,7 +129,7 @@ def failing(facts: Facts) -> list[Flight]:
             f"{facts.blocks[facts.controller]}.{name}" for name in ("rod_failed", "wheel_failed", "h_w_frozen")
         ]
     if SETS in facts.blocks:
-        recorded.append(f"{facts.blocks[SETS]}.wheel_failed")
+        recorded += [f"{facts.blocks[SETS]}.wheel_failed", f"{facts.blocks[SETS]}.h_w_failed"]
     if "estimator" in facts.blocks:
         recorded.append(f"{facts.blocks['estimator']}.health")
     recorded += commands(facts)
@@ -219,8 +220,9 @@ def _found(facts: Facts, name: str, one: Flown, at: float) -> str:
             flag = one[f"{facts.blocks[facts.controller]}.{part}_failed"] > 0
     if name.startswith("telemetry") and facts.controller == "controller_planned":
         flag = one[f"{facts.blocks[facts.controller]}.h_w_frozen"] > 0
-    if name.startswith("wheel") and SETS in facts.blocks:
-        flag = one[f"{facts.blocks[SETS]}.wheel_failed"][:, int(name.split()[1]) - 1] > 0
+    for start, output in (("wheel", "wheel_failed"), ("telemetry", "h_w_failed")):
+        if name.startswith(start) and SETS in facts.blocks:
+            flag = one[f"{facts.blocks[SETS]}.{output}"][:, int(re.findall(r"\d+", name)[0]) - 1] > 0
     if flag is None:
         return "no block looks for it"
     raised = np.flatnonzero(flag & later)

@@ -181,7 +181,7 @@ def _quiet(found):
     judge, h_w = manoeuvres.signals(found)
     signals = {judge: np.zeros(10), h_w: np.zeros((10, 4)), "estimator.health": np.ones((10, 5))}
     signals |= {f"controller.{flag}": np.zeros(10) for flag in ("rod_failed", "wheel_failed", "h_w_frozen")}
-    signals["allocator.wheel_failed"] = np.zeros((10, 4))
+    signals |= {f"allocator.{flag}": np.zeros((10, 4)) for flag in ("wheel_failed", "h_w_failed")}
     one = flights.Flown(time, signals, "", found.file)
     names = [f"failure-{name.replace(' ', '_')}" for name in ("none", *studies.failures(found))]
     section, _ = manoeuvres.failures(found, dict.fromkeys(names, one))
@@ -198,7 +198,7 @@ def test_failures_say_what_raises_no_flag_and_what_an_estimator_lacks(satellite,
     rows, notes = _quiet(of.facts(four_wheels, None))
     assert rows["star tracker lost"][1] == "no flag: gives nothing"
     assert rows["wheel 1 stuck"][5] == "0"
-    assert [rows[f"telemetry of wheel {i} frozen"][1] for i in (1, 4)] == 2 * ["no block looks for it"]
+    assert [rows[f"telemetry of wheel {i} frozen"][1] for i in (1, 4)] == 2 * ["not found"]
     assert "momenta of the wheels" not in notes
     rows, notes = _quiet(of.facts(unmeasured, None))
     assert not any(name.startswith("telemetry") for name in rows)
