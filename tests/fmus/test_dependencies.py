@@ -211,8 +211,7 @@ UNSEEN = {
         }.items()
         for name in inputs
         for element in load("estimator").variables[f"{name}_measured"].elements
-    }
-    | {("covariance", f"R_NB_measured[{i}]"): BEGIN for i in ("1,3", "2,1")},
+    },
     **{
         block: {("no_attitude", element_name("R_NB", (i, j))): TOGETHER for i in (1, 2, 3) for j in (1, 2, 3)}
         for block in ("controller", "controller_planned", "plant_judge")
@@ -270,8 +269,8 @@ POINTS = {
     "allocator_bounded_wheels": 64,
     "controller_planned": 256,
     "allocator": 80,
-    "estimator": 12,
-    "estimator_wheels": 12,
+    "estimator": 32,
+    "estimator_wheels": 32,
     "supervisor": 10,
 }
 
