@@ -83,10 +83,12 @@ def matrix(
     for kind, (folders, names) in KINDS.items():
         for path in _files(root, folders, names):
             name = path.relative_to(root).as_posix()
-            for id_ in sorted(_named(kind, path, None if good is None else good.get(name, set()))):
+            named = _named(kind, path, None if good is None else good.get(name, set()))
+            of_c = kind == "tests" and bool(named) and runs_c(path, root)
+            for id_ in sorted(named):
                 if id_ in known:
                     known[id_].evidence[kind].append(name)
-                    known[id_].of_c |= kind == "tests" and runs_c(path, root)
+                    known[id_].of_c |= of_c
                 else:
                     strangers.append(f"{name}: {id_}")
     return list(known.values()), strangers

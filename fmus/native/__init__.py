@@ -18,10 +18,11 @@ from ..contents.description3 import build_description, model_description_3
 from ..contents.origin import origin
 from ..interface import Interface
 from .carried import collected
-from .derivatives import COMMON, slopes
+from .derivatives import slopes
 from .generate import arrays, block_header, table
 from .guard import headers
 from .toolchain import (
+    COMMON,
     FLAGS,
     FREESTANDING,
     PLATFORMS,
@@ -45,7 +46,7 @@ HOST = (
 
 _HERE = Path(__file__).parent
 SHELL, SHELL_3 = _HERE / "shell", _HERE / "shell3"
-"""The C that all blocks' FMUs share, what comes to it with FMI 3.0, and the headers that the blocks share."""
+"""The C that all blocks' FMUs share, and what comes to it with FMI 3.0."""
 
 
 def package(

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from ..interface import Interface, InterfaceError, Variable
 from .generate import camel_case, members_of
+from .toolchain import COMMON
 
-COMMON = Path(__file__).with_name("common")
 _NUMBERS = ("double", "bool", "int32_t", "int")
 Members = list[tuple[str, str, str]]
 """Type, name and dimensions of each member of a structure."""

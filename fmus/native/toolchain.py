@@ -50,6 +50,8 @@ CPP_FLAGS = (
 """Of a C++ file: the block's C with other numbers, without library and run-time."""
 FREESTANDING = Path(__file__).parent / "freestanding"
 """Stands in for the C library: headers, sin to expm1, memcpy to strcmp."""
+COMMON = Path(__file__).parent / "common"
+"""The headers that the blocks share."""
 
 
 class CompilerError(RuntimeError):
