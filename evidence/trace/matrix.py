@@ -23,7 +23,7 @@ from orchestration import InputError
 from ..paper import ROOT
 from ..tools import without_comments
 from . import reqif
-from .ran import Passed, passed, runs_c
+from .ran import Passed, passed, reached, runs_c
 
 FILE = Path(__file__).with_name("requirements.yaml")
 OUT = ROOT / "out" / "trace"
@@ -97,21 +97,8 @@ def matrix(
 def _files(root: Path, folders: Sequence[str], names: Sequence[str]) -> Iterator[Path]:
     found = {path for folder in folders for name in names for path in (root / folder).rglob(name)}
     if folders == KINDS["proofs"][0]:
-        found &= _imported(root / folders[0] / "make.py")
+        found &= {file for file, _ in reached(root / folders[0] / "make.py", root)}
     yield from sorted(path for path in found if "trace" not in path.parts)
-
-
-def _imported(path: Path) -> set[Path]:
-    """The module and those of its folder that it imports, and they in turn."""
-    found, left = set[Path](), [path]
-    while left:
-        if (one := left.pop()).is_file() and one not in found:
-            found.add(one)
-            nodes = [n for n in ast.walk(ast.parse(one.read_text("utf-8"))) if isinstance(n, ast.ImportFrom)]
-            near = [n for n in nodes if n.level == 1]
-            names = [name for n in near for name in ([n.module] if n.module else [a.name for a in n.names])]
-            left += [one.with_name(f"{name}.py") for name in names]
-    return found
 
 
 def _named(kind: str, path: Path, good: set[str] | None) -> set[str]:

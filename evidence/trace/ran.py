@@ -33,18 +33,26 @@ def passed(files: Iterable[str], root: Path) -> Passed:
 
 def runs_c(path: Path, root: Path) -> bool:
     """Whether the file, or a module here that it imports, calls a library by ctypes or flies FMUs."""
+    return any(
+        module == "ctypes" or (module == "orchestration" and "run" in names)
+        for _, imports in reached(path, root)
+        for module, names in imports
+    )
+
+
+def reached(path: Path, root: Path) -> Iterator[tuple[Path, list[tuple[str, list[str]]]]]:
+    """The file and those in `root` that it imports, and they in turn; each with its imports: module and names."""
     left, seen = [path], set[Path]()
     while left:
         one = left.pop()
         if one in seen or not one.is_file():
             continue
         seen.add(one)
-        for module, names in _imports(one, root):
-            if module == "ctypes" or (module == "orchestration" and "run" in names):
-                return True
+        imports = list(_imports(one, root))
+        yield one, imports
+        for module, names in imports:
             at = root.joinpath(*module.split("."))
             left += [at.with_suffix(".py"), *(at / f"{name}.py" for name in names)]
-    return False
 
 
 def _imports(path: Path, root: Path) -> Iterator[tuple[str, list[str]]]:
