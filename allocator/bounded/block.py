@@ -73,7 +73,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     _require_finite(u)
     B = math.hypot(*u.b_B.tolist())
     with_field = B >= FIELD_MIN
-    gains = np.ones(3) if (np.abs(u.rod_gains) >= ABSENT_MIN).any() else u.rod_gains
+    gains = u.rod_gains if connected(u.rod_gains) else np.ones(3)
     by_rods = rod_matrix(u.b_B, p.U) * gains[: p.rods] if with_field else np.zeros((3, p.rods))
     watch = Watch(*x.watch) if x.watch is not None else None
     failed = watch.failed(p) if watch is not None else np.zeros(len(np.atleast_2d(p.wheel_axis)), bool)
@@ -109,8 +109,13 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 
 def _gains(u: Inputs, failed: NDArray[np.bool_]) -> Array:
     """What the wheels (4,) give of their commands: told by wheel_gains, else 0 of those that have failed."""
-    told = not (np.abs(u.wheel_gains) >= ABSENT_MIN).any()
+    told = connected(u.wheel_gains)
     return np.asarray(u.wheel_gains, np.float64) if told else np.where(failed, 0.0, 1.0)
+
+
+def connected(value: OfWheels) -> bool:
+    """Whether an optional input is connected, by its value."""
+    return not (np.abs(value) >= ABSENT_MIN).any()
 
 
 def _to_port(values: Array, p: Parameters) -> OfWheels:
@@ -123,17 +128,16 @@ def _actuators(
 ) -> Actuators:
     """Feed-forward is preferred where it is connected; else no dipole, and each wheel on its way to its target. No
     dipole is without a field. by_rods (3,rods): the rods' torques per A m2; failed (4,): wheels that are not used."""
-    told = not (np.abs(u.wheel_gains) >= ABSENT_MIN).any()
     gains = p.of_wheels(_gains(u, failed))
     h_w, torque_max, momentum_max = map(p.of_wheels, (u.h_w, p.wheel_torque_max, p.wheel_momentum_max))
-    rods_ff = with_field and not (np.abs(u.dipole_ff) >= ABSENT_MIN).any()
-    wheel_ff = not (np.abs(u.wheel_torque_ff) >= ABSENT_MIN).any()
+    rods_ff = with_field and connected(u.dipole_ff)
+    wheel_ff = connected(u.wheel_torque_ff)
     to_target = -(h_w - p.wheel_momentum_target[: p.wheels] if p.is_set else h_w) / p.desaturation_time
     wheel_torque = p.of_wheels(u.wheel_torque_ff) if wheel_ff else to_target
     if p.null_space_momentum > 0.0 and p.null_space is not None and gains.all():
         motion = null_space_motion(h_w, p.null_space, p.null_space_momentum, momentum_max) / p.desaturation_time
         wheel_torque = wheel_torque + (motion - p.null_space @ wheel_torque) * p.null_space
-    if watch is not None and not told:
+    if watch is not None and not connected(u.wheel_gains):
         wheel_torque = watch.probing(wheel_torque, p)
     low, high = wheel_limits(h_w, p.command_period, torque_max, momentum_max)
     low, high = np.where(gains < 0.0, -high, low), np.where(gains < 0.0, -low, high)

@@ -55,6 +55,17 @@ def test_the_check_stands_in_the_line_of_its_loop_and_before_what_the_loop_says_
     assert len(lines) == len(text.splitlines())
 
 
+def refused(tmp_path, good, bad, says):
+    """Whether C is taken in the place of a block's, and other C is refused in these words."""
+    path = tmp_path / "allocator" / "a.c"
+    path.parent.mkdir()
+    path.write_text(good)
+    refuse_assumptions(tmp_path)
+    path.write_text(bad)
+    with pytest.raises(InputError, match=f"(?s)allocator/a.c: .*{says}"):
+        refuse_assumptions(tmp_path)
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -66,13 +77,8 @@ def test_the_check_stands_in_the_line_of_its_loop_and_before_what_the_loop_says_
     ],
 )
 def test_c_that_asks_to_take_something_as_given_is_refused(tmp_path, text):
-    path = tmp_path / "allocator" / "a.c"
-    path.parent.mkdir()
-    path.write_text("/* No axiom. */\n//@ assert x > 1;\nint x;\n")
-    refuse_assumptions(tmp_path)
-    path.write_text(f"void f(void)\n{{\n{text}\n}}\n")
-    with pytest.raises(InputError, match="(?s)allocator/a.c: .*expected a proof, not an assumption"):
-        refuse_assumptions(tmp_path)
+    good, bad = "/* No axiom. */\n//@ assert x > 1;\nint x;\n", f"void f(void)\n{{\n{text}\n}}\n"
+    refused(tmp_path, good, bad, "expected a proof, not an assumption")
 
 
 @pytest.mark.parametrize(
@@ -86,17 +92,12 @@ def test_c_that_asks_to_take_something_as_given_is_refused(tmp_path, text):
     ],
 )
 def test_c_that_is_another_for_the_proof_than_for_the_compiler_is_refused(tmp_path, text):
-    path = tmp_path / "allocator" / "a.c"
-    path.parent.mkdir()
-    path.write_text(
+    good = (
         "#ifdef __FRAMAC__\n#define A_FINITE(y) \\\n    ensures x;\n#endif\n"
         "#ifdef PROOF_APART\n    //@ assert x > 1;\n#endif\n"
         "#ifdef PROOF_APART\nextern int f(int x);\n#else\nstatic inline int f(int x)\n{\n    return x;\n}\n#endif\n"
     )
-    refuse_assumptions(tmp_path)
-    path.write_text(f"{text}\n")
-    with pytest.raises(InputError, match="allocator/a.c: .*expected the C that flies"):
-        refuse_assumptions(tmp_path)
+    refused(tmp_path, good, f"{text}\n", "expected the C that flies")
 
 
 def test_a_loop_is_proved_only_where_every_program_that_has_it_proves_it():
