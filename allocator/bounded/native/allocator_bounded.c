@@ -153,23 +153,20 @@ bool allocator_bounded_start(const AllocatorBoundedLaw *law, const AllocatorBoun
 bool allocator_bounded_step(const AllocatorBoundedLaw *law, AllocatorBoundedState *x, const AllocatorBoundedInputs *u,
                             double h, AllocatorBoundedOutputs *y, Fault *f)
 {
-    AllocatorBoundedState next = *x;
+    const AllocatorBoundedState before = *x;
 #if ALLOCATOR_BOUNDED_WHEELS > 1
-    allocator_bounded_watch(law, u, h, &next);
+    allocator_bounded_watch(law, u, h, x);
 #endif
-    if (!outputs_of(law, &next, u, y, f)) {
-        return false;
-    }
+    bool ok = outputs_of(law, x, u, y, f);
+    if (ok) {
 #if ALLOCATOR_BOUNDED_WHEELS > 1
-    allocator_bounded_keep(law, u, y, &next);
-    for (int i = 0; i < ALLOCATOR_BOUNDED_WHEELS; ++i) {
-        y->h_w_estimate[i] = next.expected[i];
-    }
+        allocator_bounded_keep(law, u, y, x);
 #endif
-    if (!allocator_bounded_guard(y, f)) {
-        return false;
+        x->t += h;
+        ok = allocator_bounded_guard(y, f);
     }
-    next.t += h;
-    *x = next;
-    return true;
+    if (!ok) {
+        *x = before;
+    }
+    return ok;
 }

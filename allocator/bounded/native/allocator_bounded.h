@@ -71,12 +71,12 @@ double allocator_bounded_with_friction(const AllocatorBoundedLaw *law, const All
 /* Takes in what the wheels gave of the last commands over h, and the commands y that act from now on. */
 void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, double h,
                              AllocatorBoundedState *x);
-void allocator_bounded_keep(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u,
-                            const AllocatorBoundedOutputs *y, AllocatorBoundedState *x);
+void allocator_bounded_keep(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedOutputs *y,
+                            AllocatorBoundedState *x);
 
 /* At the start, with the first commands y. */
 void allocator_bounded_begin(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u,
-                             const AllocatorBoundedOutputs *y, AllocatorBoundedState *x);
+                             AllocatorBoundedOutputs *y, AllocatorBoundedState *x);
 #endif
 
 /* The state at t = 0; the first command is that of these inputs. */

@@ -212,8 +212,8 @@ void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoun
     }
 }
 
-void allocator_bounded_keep(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u,
-                            const AllocatorBoundedOutputs *y, AllocatorBoundedState *x)
+void allocator_bounded_keep(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u, AllocatorBoundedOutputs *y,
+                            AllocatorBoundedState *x)
 {
     const bool with_gains = allocator_bounded_has_rod_gains(u);
     for (int i = 0; i < 3; ++i) {
@@ -223,12 +223,12 @@ void allocator_bounded_keep(const AllocatorBoundedLaw *law, const AllocatorBound
     for (int i = 0; i < law->p.wheels; ++i) {
         x->h_w[i] = allocator_bounded_wheel_momentum(law, x, u, i);
         x->command[i] = y->wheel_torque_cmd[i];
-        x->expected[i] = x->h_w[i] + law->p.command_period * by_command(law, x, u, i);
+        x->expected[i] = y->h_w_estimate[i] = x->h_w[i] + law->p.command_period * by_command(law, x, u, i);
     }
 }
 
 void allocator_bounded_begin(const AllocatorBoundedLaw *law, const AllocatorBoundedInputs *u,
-                             const AllocatorBoundedOutputs *y, AllocatorBoundedState *x)
+                             AllocatorBoundedOutputs *y, AllocatorBoundedState *x)
 {
     allocator_bounded_keep(law, u, y, x);
     for (int i = 0; i < law->p.wheels; ++i) {
