@@ -14,8 +14,8 @@ import click
 
 from fmus import places
 from orchestration import InputError
+from orchestration.cli.console import complain, say
 from orchestration.cli.console import notes as tell
-from orchestration.cli.console import say
 from orchestration.cli.help import examples
 from orchestration.cli.overrides import settings
 from orchestration.errors import BlockError, ResultsError, reason, writing
@@ -27,7 +27,8 @@ from orchestration.session.run import whole
 
 from . import template
 from .plausible import findings
-from .sheet import followed
+from .sheet import followed, wheel_axes
+from .template import flow
 
 PARTS = {
     "cubesat": ("sensors_cubesat.yaml", ["cubesat.yaml"]),
@@ -73,19 +74,46 @@ def command(folder: Path | None, sets: tuple[str, ...], interactive: bool) -> No
 def asked(found: template.Template, given: dict[str, Any]) -> dict[str, Any]:
     """Returns what is given and what the user answers for each value with an example, and for wheels and sensors.
 
-    An empty answer leaves a default, or one of two values that can stand for each other.
+    An empty answer leaves a default, or one of two values that can stand for each other; a wrong one is asked again.
     """
     answers = dict(given)
     for name, entry in sorted(found.values.items(), key=lambda item: item[0] != "wheels"):
         instead = [other.partition("=") for other in entry.get("instead", ())]
         known = any(name_ in answers and (not value or answers[name_] == value) for name_, _, value in instead)
-        if name in answers or known or not ("example" in entry or name in ("wheels", "sensors", "mass")):
+        optional = name in ("wheels", "sensors", "mass") or (
+            name == "wheel_axis" and answers.get("wheels", "one") == "one"
+        )
+        if name in answers or known or not ("example" in entry or optional):
             continue
-        shown = f"such as {entry['example']}" if "example" in entry else f"[{entry.get('default', 'none')}]"
-        text = click.prompt(f"{name}: {entry['what']}, {shown}", default="", show_default=False, err=True)
-        if text.strip():
-            answers[name] = parse(text, f"{name}").data
+        without = "; Enter: " + (
+            flow(entry["default"]) if "default" in entry else f"by {instead[0][0]}" if instead else "none"
+        )
+        shown = (f", such as {entry['example']}" if "example" in entry else "") + (
+            without if optional or instead else ""
+        )
+        while (value := _answer(found, name, f"{name}: {entry['what']}{shown}")) is None and not (optional or instead):
+            pass
+        if value is not None:
+            answers[name] = value
     return answers
+
+
+def _answer(found: template.Template, name: str, text: str) -> Any:
+    """Returns the answer to a question, which is asked until the answer can be taken; None of an empty one."""
+    while answer := click.prompt(text, default="", show_default=False, err=True).strip():
+        try:
+            value = parse(answer, name).data
+            if "unit" in found.values[name]:
+                found.number(name, value)
+            elif name == "wheels":
+                wheel_axes(str(value))
+            elif name == "sensors":
+                _sensors(str(value))
+        except InputError as error:
+            complain(str(error))
+            continue
+        return value
+    return None
 
 
 def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:

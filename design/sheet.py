@@ -16,6 +16,7 @@ import numpy as np
 from orchestration import InputError
 from orchestration.quantities import QuantityError, parse_unit, value_in
 
+from .plausible.satellite import RADIAN
 from .template import Template, flow
 
 MU, EARTH_RADIUS = 3.986004418e14, 6378137.0
@@ -28,8 +29,6 @@ FULL = 200.0 * math.pi
 """rad/s of a full wheel, 6000 rpm, where its inertia is not given."""
 TOLD = math.pi / 30.0
 """rad/s: the error of a wheel's speed that is told, 1 rpm, where it is not given: docs/use/sensors.md#wheels."""
-RADIAN = 1000.0
-"""s: a radian of the orbit, over which the estimator without its gyro is told of a torque as a random walk."""
 ERROR, RESIDUAL, DUTY = 0.05, 0.01, 0.8
 """Assumed where not given: error of the inertia, residual dipole over that of the rods; part in which rods are on."""
 KNOWN = {
@@ -152,6 +151,7 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
     else:
         notes["residual_dipole_B"] = "as given"
     unknown = max(_length(values["residual_dipole_B"]), math.sqrt(3.0) * RESIDUAL * dipole) * FIELD
+    # where the estimator has no gyro, it is told of a torque over a radian of the orbit as a random walk
     notes["momentum_random_walk"] = f"{math.sqrt(RADIAN) * unknown:.3g} N.m.s"
     notes["dipole_mean"] = f"{DUTY * dipole:.6g} A.m2"
 

@@ -12,6 +12,7 @@ from orchestration import Scenario
 
 from .body import of_body, of_inertia
 from .finding import Finding
+from .gyro import of_no_gyro
 from .rods import of_rods
 from .satellite import PLANTS, Satellite, satellite
 from .sensors import of_sensors
@@ -42,3 +43,4 @@ def _compared(s: Satellite) -> Iterator[Finding]:
     yield from of_wheels(s)
     yield from of_no_wheel(s)
     yield from of_sensors(s)
+    yield from of_no_gyro(s)

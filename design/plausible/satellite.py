@@ -22,6 +22,12 @@ from plant.solar_pressure import PRESSURE
 
 from ..loop import parameters
 
+BLIND = 1e-6
+"""rad/s: a star tracker that gives no attitude above it is none."""
+RADIAN = 1000.0
+"""s: a radian of the orbit."""
+ESTIMATORS, DYNAMICS = ("estimator", "estimator_wheels"), 2
+"""Kinds of block, and the item of `rate_source` that takes no gyro."""
 PLANTS = ("plant", "plant_wheels")
 FIELD, RADIUS = 3.0e-5, 6371.2e3
 """T and m: the Earth's dipole field at its equator, twice as strong at the poles (IGRF-14 rounded)."""
@@ -39,6 +45,18 @@ class Satellite:
     goal: float | None
     """rad: the tightest limit of an attitude error among the expectations."""
     mass: float | None
+    without_gyro: bool = False
+    """Whether the estimator has none, or loses it by a fault of the scenario."""
+    measures_attitude: bool = False
+    """Whether the estimator is given an attitude, as of a star tracker."""
+
+    torque_told: float = 0.0
+    """N m: over RADIAN, of which the estimator is told as a random walk of the momentum."""
+
+    @cached_property
+    def period(self) -> float:
+        """s, of the orbit."""
+        return 2.0 * math.pi * math.sqrt(self.p.orbit.semi_major_axis**3 / self.p.gravitational_parameter)
 
     @cached_property
     def J(self) -> Array:
@@ -85,10 +103,7 @@ class Satellite:
         if p.gravity_gradient:
             causes["gravity gradient"] = 1.5 * p.gravitational_parameter / radius**3 * float(moments[2] - moments[0])
         if p.drag:
-            flows = [
-                p.air.flow(t)
-                for t in np.linspace(0.0, 2.0 * math.pi * math.sqrt(radius**3 / p.gravitational_parameter), 24)
-            ]
+            flows = [p.air.flow(t) for t in np.linspace(0.0, self.period, 24)]
             pressure = max(0.5 * density * float(flow @ flow) for flow, density in flows)
             causes["drag"] = p.drag_factor * p.drag_coefficient * pressure * shadow * arm
         if p.solar_pressure:
@@ -96,6 +111,10 @@ class Satellite:
             push = PRESSURE * shadow
             causes["sunlight"] = push * ((1.0 + p.solar_specular) * arm + p.solar_diffuse * longest)
         return causes
+
+    def lasting(self) -> dict[str, float]:
+        """Returns what disturbs at the attitude that is held, too, N m."""
+        return {name: value for name, value in self.disturbances().items() if name != "gravity gradient"}
 
 
 def satellite(scenario: Scenario, mass: float | None = None) -> Satellite:
@@ -127,9 +146,28 @@ def satellite(scenario: Scenario, mass: float | None = None) -> Satellite:
     ]
     entries = [entry.every * scenario.step for entry in scenario.blocks.values()]
     goals = _goals(scenario)
+    estimator = next((by_kind[kind] for kind in ESTIMATORS if kind in by_kind), "")
+    told = {name: value for kind in ESTIMATORS for (name, _), value in starts(kind).items()}
+    gyro = told.get("rate_source") != DYNAMICS and _given(scenario, estimator, "omega_B_measured")
+    tracker = _given(scenario, estimator, "R_NB_measured") and sensors.get("attitude_rate_max", 1.0) > BLIND
     return Satellite(
-        p, sensors, max([*periods, *entries], default=0.0), min(goals, default=None), mass or scenario.data.mass
+        p,
+        sensors,
+        max([*periods, *entries], default=0.0),
+        min(goals, default=None),
+        mass or scenario.data.mass,
+        bool(estimator) and not gyro,
+        bool(estimator) and tracker,
+        float(told.get("momentum_random_walk", 0.0)) / math.sqrt(RADIAN),
     )
+
+
+def _given(scenario: Scenario, block: str, port: str) -> bool:
+    """Whether an input is connected, and no fault cuts or freezes what it is given."""
+    sources = [c.source for c in scenario.connections if (c.target.block, c.target.variable) == (block, port)]
+    away = [fault.cut or fault.freeze for fault in scenario.faults]
+    lost = {(name.block, name.variable) for name in away if name is not None}
+    return bool(sources) and not lost & {(block, port), *((s.block, s.variable) for s in sources)}
 
 
 def _goals(scenario: Scenario) -> list[float]:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 
 from .finding import Finding
-from .satellite import Satellite
+from .satellite import BLIND, Satellite
 
 NOISY = 2.0
 """Largest change of a wheel's momentum by its noise from sample to sample, beside what the rods give in that time."""
@@ -27,7 +27,7 @@ def of_sensors(s: Satellite) -> Iterator[Finding]:
         )
     if not s.sensors or s.goal is None:
         return
-    if s.sensors.get("attitude_noise", 0.0) > 0.0 and s.sensors.get("attitude_rate_max", 1.0) > 1e-6:
+    if s.sensors.get("attitude_noise", 0.0) > 0.0 and s.sensors.get("attitude_rate_max", 1.0) > BLIND:
         known = math.hypot(s.sensors["attitude_noise"], s.sensors.get("attitude_bias_B", 0.0))
         by = "attitude_noise"
     elif s.sensors.get("field_noise", 0.0) > 0.0:

@@ -44,8 +44,7 @@ def of_wheels(s: Satellite) -> Iterator[Finding]:
 
 def _of_wheel(s: Satellite, wheel: Any, axis: Array) -> Iterator[Finding]:
     """Yields what is found of a wheel, which is called WHEEL."""
-    period = 2.0 * math.pi * math.sqrt(s.p.orbit.semi_major_axis**3 / s.p.gravitational_parameter)
-    gathered = _lasting(s)
+    period, gathered = s.period, s.lasting()
     spin_up = wheel.momentum_max / wheel.torque_max if wheel.torque_max > 0.0 else math.inf
     if not SPIN_UP[0] <= spin_up <= SPIN_UP[1]:
         yield Finding(
@@ -99,7 +98,7 @@ def of_no_wheel(s: Satellite) -> Iterator[Finding]:
     """
     if s.goal is None or any(wheel.momentum_max >= NONE for wheel in s.p.wheel_list):
         return
-    acting = _lasting(s)
+    acting = s.lasting()
     bound = 2.0 * float(np.trace(s.p.J_B)) / 3.0 * s.p.gravitational_parameter / s.p.orbit.semi_major_axis**3
     if (total := sum(acting.values())) > bound:
         yield Finding(
@@ -108,8 +107,3 @@ def of_no_wheel(s: Satellite) -> Iterator[Finding]:
             f"rods alone seldom stay within {math.degrees(s.goal):.3g} deg: a wheel, a smaller residual dipole or a "
             "higher orbit",
         )
-
-
-def _lasting(s: Satellite) -> dict[str, float]:
-    """Returns what disturbs at the attitude that is held, too, N m."""
-    return {name: value for name, value in s.disturbances().items() if name != "gravity gradient"}

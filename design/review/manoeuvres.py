@@ -15,6 +15,7 @@ import numpy as np
 from orchestration.results.settling import settling
 from plant.so3 import Array
 
+from ..plausible import gyro
 from . import studies
 from .content import Section, Table, number
 from .facts import Facts
@@ -197,6 +198,8 @@ def _of_estimator(facts: Facts, lost: list[str]) -> list[str]:
             f"{', '.join(lost)}: a sensor that gives nothing is no failure to the estimator, as where it is blinded or "
             f"in eclipse. {estimator}.health stays good; {estimator}.attitude_bound, the bound on its error, grows."
         )
+    if "gyro frozen" in studies.failures(facts) and (without := gyro.lost(facts.satellite)):
+        notes.append(f"gyro frozen: {without}.")
     if facts.wheels and not {(estimator, "h_w"), (estimator, "wheel_torque")} & fed:
         notes.append(
             "gyro frozen: without its gyro the estimator follows the equations of motion, but it is not told the "

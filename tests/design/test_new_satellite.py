@@ -254,6 +254,17 @@ def test_asked_in_the_terminal_it_takes_answers_and_leaves_what_is_not_needed(tm
     assert "wheel_momentum_max: 1e-9 N.m.s" in text
 
 
+def test_asked_in_the_terminal_it_asks_again_for_what_it_cannot_take(tmp_path):
+    answers = ["seven", "one", "", "4", "4 kg", "", "10 cm", "34 cm", "z", "0.3 A.m2", "0.3 mN.m", "2 mN.m.s"]
+    answers += ["[0, 1, 0]", "sextant", "cubesat", "500", "500 km", "97.4 deg"]
+    result = orchestrate("new", "satellite", str(tmp_path / "cube"), "--interactive", input="\n".join(answers) + "\n")
+    assert result.exit_code == 0, result.stderr
+    assert "expected 150 km to 1970 km, found 500 (500 m)" in result.stderr
+    text = (tmp_path / "cube" / "satellite.yaml").read_text()
+    assert "altitude: 500 km" in text
+    assert "wheel_axis: [0, 1, 0]" in text
+
+
 def test_what_is_not_plausible_is_named_and_written_all_the_same(tmp_path):
     result = made(tmp_path / "cube", inertia={"diagonal": [42, 42, 7]}, control_period="0.5 s")
     assert (tmp_path / "cube" / "satellite.yaml").exists()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import orchestration
-from design.plausible import findings, satellite
+from design.plausible import findings, gyro, satellite
 from evidence.satellites.classes import CLASSES, VARIANTS
 from orchestration.session.read import read
 
@@ -158,3 +158,38 @@ def test_what_is_found_alike_of_several_wheels_is_said_once():
         "the rods take the momentum of each of wheels 1, 2, 3",
         "the rods take the momentum of wheel 4",
     ]
+
+
+def without_a_gyro(path="scenarios/flight_cubesat.yaml", **values):
+    source = read(Path(path))
+    for name, value in values.items():
+        source = source.with_start(name, value)
+    return source.with_entry(("faults",), [{"freeze": "sensors.omega_B_measured", "at": "100 s"}])
+
+
+def test_without_a_gyro_the_turn_about_the_field_is_open_until_a_polar_orbits_field_has_turned():
+    """The field of a dipole turns twice as far as the satellite on a polar orbit: by a radian in 1/(2 n)."""
+    s = satellite(orchestration.load(without_a_gyro()))
+    n = math.sqrt(3.986004418e14 / s.p.orbit.semi_major_axis**3)
+    angle = 0.5 * 1e-7 / (np.trace(s.p.J_B) / 3.0) / (2.0 * n) ** 2
+    assert gyro.open_turn(s, 1e-7) == pytest.approx(angle, rel=0.1)
+    earth = math.asin(6371.0 / (s.p.orbit.semi_major_axis / 1e3))
+    assert gyro.eclipse(s) == pytest.approx(2.0 * earth / n, rel=0.05)  # at noon and midnight through its axis
+    found = [f for f in findings(orchestration.load(without_a_gyro())) if "without its gyro" in f.what]
+    assert len(found) == 1
+
+
+@pytest.mark.parametrize("rate_source", ["gyro", "dynamics"])
+def test_a_lost_gyro_is_named_where_torques_are_large_or_the_estimator_is_told_so(rate_source):
+    """flight_estimated drifted by 2 to 16 deg without its gyro (docs/how/health.md), flight_without_gyro is held."""
+    quiet = {"plant.residual_dipole_B": [0, 0, 0], "plant.disturbance_torque_B": [0, 0, 0], "plant.drag": False}
+    quiet |= {"plant.solar_pressure": False, "estimator.rate_source": rate_source}
+
+    def named(source):
+        return any("without its gyro" in f.what for f in findings(orchestration.load(source)))
+
+    assert named(without_a_gyro(**quiet, **{"estimator.momentum_random_walk": "6e-6 N.m.s"}))
+    assert not named(without_a_gyro(**quiet, **{"estimator.momentum_random_walk": "5e-7 N.m.s"}))
+    healthy = without_a_gyro(**{"estimator.rate_source": rate_source}).without([("faults",)])
+    assert named(healthy) is (rate_source == "dynamics")
+    assert not named(without_a_gyro("scenarios/flight_pyramid_estimated.yaml"))
