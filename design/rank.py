@@ -30,12 +30,13 @@ from orchestration.session.run import whole
 
 from .allocated import allocated
 from .lasting import LASTING
-from .plausible import NONE
+from .plausible import NONE, goal
 
 LAWS = Path(__file__).parent / "laws"
 COMPARED = ("bdot", "pd", "unloading", "lqr", "paper")
 ERROR, WHEELS = "judge.attitude_error", "plant.h_w"
 OWN = "the scenario's own"
+BELOW = math.radians(15.0)
 
 
 @dataclass(frozen=True)
@@ -164,8 +165,9 @@ def compared(source: Source, place: str) -> dict[str, Source]:
 @click.option("--runs", default=5, show_default=True, type=click.IntRange(1), help="Tumbles that each law flies.")
 @click.option("--rate", default=4.0, show_default=True, type=Between(0.0, 500.0),
               help="Size of the body rate at the start, deg/s.")  # fmt: skip
-@click.option("--below", default=15.0, show_default=True, type=Between(0.0, 181.0, min_open=True),
-              help="Error below which a flight is settled for good, deg: to its end, and for its last sixth at least."
+@click.option("--below", type=Between(0.0, 181.0, min_open=True), metavar="DEG",
+              help="Error below which a flight is settled for good, deg: to its end, and for its last sixth at least. "
+              "Default: the scenario's tightest expectation of it, else 15 deg."
 )  # fmt: skip
 @click.option("--duration", metavar="T", help="Of each flight, instead of the scenario's.")
 @click.option("--seed", default=1, show_default=True, type=click.IntRange(0), help="Of the tumbles.")
@@ -179,7 +181,7 @@ def command(
     place: str,
     runs: int,
     rate: float,
-    below: float,
+    below: float | None,
     duration: str | None,
     seed: int,
     alone: bool,
@@ -196,6 +198,8 @@ def command(
     source = read(scenario)
     if not isinstance(source.data, dict) or place not in source.data.get("blocks", {}):
         raise InputError(f"{scenario}: expected a scenario with a block {place!r}")
+    if below is None:
+        below = math.degrees(goal(load_scenario(source)) or BELOW)
     source = source.without([("expect",), ("figures",), ("live",)]).with_value(
         "record", {"interval": "2 s"}, "--record"
     )
@@ -217,6 +221,7 @@ def command(
         rows = ranked(flown, tumbles(runs, math.radians(rate), seed), math.radians(below), bar)
     finally:
         bar.close()
+    say(f"settled: attitude error below {below:.4g} deg for good")
     say_table(
         ("law", "settled", "median, s", "worst, s", "rms after, deg", "largest after, deg", "wheel, N.m.s"),
         [

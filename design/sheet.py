@@ -16,7 +16,7 @@ import numpy as np
 from orchestration import InputError
 from orchestration.quantities import QuantityError, parse_unit, value_in
 
-from .plausible.satellite import RADIAN
+from .lasting import RADIAN
 from .template import Template, flow
 
 MU, EARTH_RADIUS = 3.986004418e14, 6378137.0

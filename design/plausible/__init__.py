@@ -14,11 +14,11 @@ from .body import of_body, of_inertia
 from .finding import Finding
 from .gyro import of_no_gyro
 from .rods import of_rods
-from .satellite import PLANTS, Satellite, satellite
+from .satellite import PLANTS, Satellite, goal, satellite
 from .sensors import of_sensors
 from .wheels import NONE, of_no_wheel, of_wheels
 
-__all__ = ["NONE", "PLANTS", "Finding", "Satellite", "findings", "notes", "satellite"]
+__all__ = ["NONE", "PLANTS", "Finding", "Satellite", "findings", "goal", "notes", "satellite"]
 
 
 def findings(scenario: Scenario, mass: float | None = None) -> list[Finding]:

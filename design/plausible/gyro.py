@@ -14,8 +14,9 @@ import numpy as np
 
 from plant.sun import seen_from
 
+from ..lasting import RADIAN
 from .finding import Finding, parts
-from .satellite import RADIAN, Satellite
+from .satellite import Satellite
 
 SAMPLES = 96
 """Of an orbit: a minute each."""

@@ -20,12 +20,11 @@ from plant.drag import AXES, octagonal_cylinder
 from plant.so3 import Array
 from plant.solar_pressure import PRESSURE
 
+from ..lasting import RADIAN
 from ..loop import parameters
 
 BLIND = 1e-6
 """rad/s: a star tracker that gives no attitude above it is none."""
-RADIAN = 1000.0
-"""s: a radian of the orbit."""
 ESTIMATORS, DYNAMICS = ("estimator", "estimator_wheels"), 2
 """Kinds of block, and the item of `rate_source` that takes no gyro."""
 PLANTS = ("plant", "plant_wheels")
@@ -145,7 +144,6 @@ def satellite(scenario: Scenario, mass: float | None = None) -> Satellite:
         v for kind in by_kind for (name, _), v in starts(kind).items() if name in ("control_period", "command_period")
     ]
     entries = [entry.every * scenario.step for entry in scenario.blocks.values()]
-    goals = _goals(scenario)
     estimator = next((by_kind[kind] for kind in ESTIMATORS if kind in by_kind), "")
     told = {name: value for kind in ESTIMATORS for (name, _), value in starts(kind).items()}
     gyro = told.get("rate_source") != DYNAMICS and _given(scenario, estimator, "omega_B_measured")
@@ -154,7 +152,7 @@ def satellite(scenario: Scenario, mass: float | None = None) -> Satellite:
         p,
         sensors,
         max([*periods, *entries], default=0.0),
-        min(goals, default=None),
+        goal(scenario),
         mass or scenario.data.mass,
         bool(estimator) and not gyro,
         bool(estimator) and tracker,
@@ -170,12 +168,12 @@ def _given(scenario: Scenario, block: str, port: str) -> bool:
     return bool(sources) and not lost & {(block, port), *((s.block, s.variable) for s in sources)}
 
 
-def _goals(scenario: Scenario) -> list[float]:
-    """The limits, rad, that expectations have for an attitude error that is always below them."""
+def goal(scenario: Scenario) -> float | None:
+    """Returns the tightest limit, rad, below which expectations want an attitude error always."""
     limits = []
     for entry in scenario.expect:
         always = getattr(entry, "always", None)
         below = getattr(always, "below", None)
         if below is not None and str(entry.signal).endswith("attitude_error") and str(entry.signal).startswith("judge"):
             limits.append(value_in(below, parse_unit("rad")))
-    return limits
+    return min(limits, default=None)

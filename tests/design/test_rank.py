@@ -248,3 +248,14 @@ def test_an_option_out_of_range_is_refused(tmp_path, option):
     (tmp_path / "law.py").write_text("")
     result = orchestrate("rank", tmp_path / "law.py", "--scenario", SCENARIO, *option)
     assert (result.exit_code, f"Invalid value for '{option[0]}'" in result.stderr) == (2, True), result.stderr
+
+
+def test_a_law_settles_below_what_the_scenario_expects_unless_another_error_is_given(tmp_path):
+    law = tmp_path / "still.py"
+    law.write_text("def step(i, p, t, h):\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
+    scenario = tmp_path / "expects.yaml"
+    limit = "{name: goal, signal: judge.attitude_error, always: {below: 2 deg}}"
+    scenario.write_text(f"name: expects\nextends: {Path(SCENARIO).absolute()}\nexpect: [{limit}]\n")
+    arguments = ("--alone", "--scenario", scenario, "--runs", 1, "--duration", "4 s")
+    assert "settled: attitude error below 2 deg for good" in orchestrate("rank", law, *arguments).stdout
+    assert "settled: attitude error below 20 deg" in orchestrate("rank", law, *arguments, "--below", 20).stdout
