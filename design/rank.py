@@ -36,7 +36,6 @@ LAWS = Path(__file__).parent / "laws"
 COMPARED = ("bdot", "pd", "unloading", "lqr", "paper")
 ERROR, WHEELS = "judge.attitude_error", "plant.h_w"
 OWN = "the scenario's own"
-BELOW = math.radians(15.0)
 
 
 @dataclass(frozen=True)
@@ -166,8 +165,8 @@ def compared(source: Source, place: str) -> dict[str, Source]:
 @click.option("--rate", default=4.0, show_default=True, type=Between(0.0, 500.0),
               help="Size of the body rate at the start, deg/s.")  # fmt: skip
 @click.option("--below", type=Between(0.0, 181.0, min_open=True), metavar="DEG",
-              help="Error below which a flight is settled for good, deg: to its end, and for its last sixth at least. "
-              "Default: the scenario's tightest expectation of it, else 15 deg."
+              help="Error below which a flight is settled for good, deg: to its end, and for its last sixth at least; "
+              "if not given, what the scenario expects, else 15."
 )  # fmt: skip
 @click.option("--duration", metavar="T", help="Of each flight, instead of the scenario's.")
 @click.option("--seed", default=1, show_default=True, type=click.IntRange(0), help="Of the tumbles.")
@@ -198,11 +197,8 @@ def command(
     source = read(scenario)
     if not isinstance(source.data, dict) or place not in source.data.get("blocks", {}):
         raise InputError(f"{scenario}: expected a scenario with a block {place!r}")
-    if below is None:
-        below = math.degrees(goal(load_scenario(source)) or BELOW)
-    source = source.without([("expect",), ("figures",), ("live",)]).with_value(
-        "record", {"interval": "2 s"}, "--record"
-    )
+    below = below or math.degrees(goal(load_scenario(source)) or math.radians(15.0))
+    source = source.without([("expect",), ("figures",), ("live",)])
     source = source.with_entry(("record",), {"interval": "2 s", "signals": [ERROR, WHEELS]})
     if duration is not None:
         source = source.with_value("duration", duration, "--duration")
@@ -210,9 +206,7 @@ def command(
     own = dict.fromkeys(flown, "a law to compare with, unless --alone is given")
     for law in laws:
         if law.stem in own:
-            raise InputError(
-                f"{law}: the name {law.stem!r} is that of {own[law.stem]}; remedy: another name of the file"
-            )
+            raise InputError(f"{law}: the name {law.stem!r} is that of {own[law.stem]}; remedy: rename the file")
         flown[law.stem], own[law.stem] = with_law(source, place, law), str(law)
     for law in laws[:1]:  # the others stand in the same place
         ctx.with_resource(watched(load_scenario(flown[law.stem]), lost="no table is written"))
