@@ -79,10 +79,14 @@ def _unit_axes(text: str) -> list[list[float]]:
     return (axes / np.linalg.norm(axes, axis=1, keepdims=True)).tolist()
 
 
-def box(mass: float, width: float, length: float, axis: str) -> list[float]:
-    """Returns the principal moments (3,), kg m2, of a homogeneous box, its length along x, y or z."""
-    about, across = mass / 6.0 * width**2, mass / 12.0 * (width**2 + length**2)
-    return [about if name == axis else across for name in "xyz"]
+def box(mass: float, width: float, length: float, axis: str, depth: float | None = None) -> list[float]:
+    """Returns the principal moments (3,), kg m2, of a homogeneous box, its length along x, y or z.
+
+    The width lies along the first of the two other axes, the depth, if it is another, along the second.
+    """
+    across = iter((width, width if depth is None else depth))
+    squares = [(length if name == axis else next(across)) ** 2 for name in "xyz"]
+    return [mass / 12.0 * (sum(squares) - square) for square in squares]
 
 
 def _length(dipole: Any) -> float:
@@ -119,7 +123,8 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
     notes: dict[str, str] = {}
 
     if "inertia" not in given:
-        moments = box(number["mass"], number["body_width"], number["body_length"], str(values["body_axis"]))
+        sizes = number["body_width"], number["body_length"], str(values["body_axis"]), number.get("body_depth")
+        moments = box(number["mass"], *sizes)
         values["inertia"] = {"diagonal": [float(f"{m:.6g}") for m in moments]}
         notes["inertia"] = f"of a homogeneous body of {values['mass']} and this size; wheels locked"
     else:

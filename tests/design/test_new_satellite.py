@@ -171,7 +171,7 @@ def test_a_value_that_no_block_takes_is_told_at_once_and_nothing_is_written(tmp_
 def test_each_file_uses_values_that_are_declared_and_all_are_used():
     found = new_satellite.templates()
     text = "".join(path.read_text() for path in found.folder.glob("*.yaml") if path.name != template.VALUES)
-    followed = {"mass", "orbit_radius", "altitude", "wheels", "sensors"}
+    followed = {"mass", "body_depth", "orbit_radius", "altitude", "wheels", "sensors"}
     assert {name for name in found.values if f"@{name}@" in text} == set(found.values) - followed
 
 
@@ -183,6 +183,12 @@ def test_a_mass_in_the_place_of_inertia_is_that_of_a_homogeneous_box(tmp_path):
     assert J["diagonal"] == pytest.approx([0.0418667, 0.0418667, 0.0066667], rel=1e-4)
     assert orchestration.load(tmp_path / "cube" / "tumble.yaml").data.mass == 4.0
     assert box(12.0, 1.0, 2.0, "y") == pytest.approx([5.0, 2.0, 5.0])
+    assert box(12.0, 1.0, 2.0, "y", 3.0) == pytest.approx([13.0, 10.0, 5.0])  # 1 along x, 2 along y, 3 along z
+    assert made(tmp_path / "six", inertia=None, mass="4 kg", body_depth="5 cm").exit_code == 0
+    J = orchestration.load(tmp_path / "six" / "tumble.yaml").shared["J_B"]
+    assert J["diagonal"] == pytest.approx(
+        [4 * (0.05**2 + 0.34**2) / 12, 4 * (0.1**2 + 0.34**2) / 12, 4 * 0.0125 / 12], rel=1e-4
+    )
 
 
 def test_values_stand_as_they_were_given_and_notes_say_what_follows(tmp_path):
