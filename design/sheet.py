@@ -131,6 +131,7 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
         notes["inertia"] = "with the wheels locked" + (f"; mass {values['mass']}" if "mass" in given else "")
     stated = f"data: {{mass: {flow(values['mass'])}}}" if "mass" in given else "# data: {mass: 4 kg}"
     notes["mass"] = f"{stated}          # only compared with J_B" + ("" if "mass" in given else "; state it")
+    notes |= {n: "" if n in given else "assumed: " for n in ("center_of_mass_B", "f107", "disturbance_torque_B")}
     J = _matrix(values["inertia"])
     if values["J_error_B"] is None:
         off = ERROR * J if J is not None else np.zeros((3, 3))
@@ -175,9 +176,11 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
         values["wheel_inertia"] = values["wheel_inertia"] or "1e-06 kg.m2"
         notes |= {"wheels": "no wheel: next to nothing, as the controller takes it"}
         notes |= {"wheel_torque_max": "none", "wheel_momentum_max": "none", "wheel_momentum_noise": "0 N.m.s"}
+        notes["wheel_inertia"] = "none"
         notes["wheel_telemetry"] = "no wheel"
     else:
         momentum, motor = number["wheel_momentum_max"], number["wheel_torque_max"]
+        notes["wheel_inertia"] = "as given" if values["wheel_inertia"] else "assumed: full at 6000 rpm"
         values["wheel_inertia"] = values["wheel_inertia"] or f"{momentum / FULL:.3g} kg.m2"
         notes["wheels"] = "one wheel"
         notes["wheel_torque_max"] = f"full in {momentum / motor:.3g} s" if motor > 0.0 else "the motor gives nothing"

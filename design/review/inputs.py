@@ -27,7 +27,7 @@ SAMPLES, ROUNDING = 241, 1e-9
 SHEET = {
     "rad": (("deg", 0.0099), ("arcsec", 0.0)),
     "rad/s": (("deg/s", 0.00099), ("deg/h", 0.0)),
-    "T": (("nT", 0.0),),
+    "T": (("uT", 99.0), ("nT", 0.0)),
     "T/(A.m2)": (("nT/(A.m2)", 0.0),),
     "N.m.s": (("mN.m.s", 0.099), ("uN.m.s", 0.0)),
 }
@@ -68,11 +68,10 @@ def data(facts: Facts) -> Section:
     ]  # fmt: skip
     for i, (wheel, axis) in enumerate(zip(p.wheel_list, p.wheel_axes, strict=True), start=1):
         if wheel.momentum_max > 1e-8:
-            shown.append(
-                (f"wheel {i}", f"{wheel.momentum_max:g} N.m.s, {wheel.torque_max:g} N.m, along {_listed(axis)}")
-            )
+            told = f"{prefixed(wheel.momentum_max, 'N.m.s')}, {prefixed(wheel.torque_max, 'N.m')}"
+            shown.append((f"wheel {i}", f"{told}, along {_listed(axis)}"))
     sensors = [
-        [name, as_in_sheets(values, _unit(name))]
+        [name, _item(name, values) or as_in_sheets(values, _unit(name))]
         for name, values in sorted(facts.starts.get("plant_sensors", {}).items())
         if values.any() and (studies.aboard(facts, "star tracker") or not name.startswith("attitude_"))
     ]
@@ -215,6 +214,12 @@ def _unit(name: str) -> str:
     """Returns the unit of a parameter of the sensors; "" for none."""
     variable = interface("plant_sensors").variables.get(name)
     return "" if variable is None or variable.unit in (None, "1") else str(variable.unit)
+
+
+def _item(name: str, values: Array) -> str:
+    """Returns the item of an enumeration; "" of another parameter of the sensors."""
+    variable = interface("plant_sensors").variables.get(name)
+    return "" if variable is None or not variable.items else str(variable.items[int(values.flat[0]) - 1])
 
 
 def as_in_sheets(values: Array, unit: str) -> str:

@@ -26,6 +26,8 @@ FIRST = 2
 """Tumbles of each worker by whose time on this machine the rest is announced."""
 OFF, SHORT = 0.3, 60.0
 """Share, and time, s, by which an announced end has to be off before another one is announced."""
+LONG = 900.0
+"""s: of a longer review the announcement says how fewer are flown."""
 LIMITS = [
     "Flexible parts, sloshing, moving panels and appendages: the body is rigid.",
     "Failures of two parts at once, failures that come and go, the computer, the radio and the power supply.",
@@ -136,7 +138,8 @@ class Timed:
         orbits = sum(of_this[done:]) + sum(sum(self._orbits[name]) for name in later)
         left = (now - self._began) / sum(of_this[self._kept : done]) * orbits
         if self._ends is None or abs(left - (self._ends - now)) > max(OFF * (self._ends - now), SHORT):
-            self._announce(f"about {max(left / 60.0, 1.0):.0f} min more, by the time of the {study} so far")
+            fewer = "; --runs 40 --members 5 fly fewer" if left > LONG else ""
+            self._announce(f"about {max(left / 60.0, 1.0):.0f} min more, by the time of the {study} so far{fewer}")
             self._ends = now + left
 
 

@@ -28,6 +28,8 @@ def test_perfect_sensors_are_named(four_wheels, tmp_path):
 def test_sensors_have_the_units_of_their_data_sheets(facts):
     rows = dict(inputs.data(facts).tables[1].rows)
     assert rows["field_bias_B"] == "100, -150, 120 nT"
+    assert rows["field_range"] == "800 uT"
+    assert rows["sun_sensor"] == "coarse"
     assert rows["angle_random_walk"] == "0.014 deg"
     assert rows["rate_quantum"] == "0.0038 deg/s"
     assert rows["wheel_momentum_noise"] == "0.333 uN.m.s"
@@ -40,6 +42,8 @@ def test_assumptions_are_the_lines_of_the_files_that_say_so(facts):
     rows = inputs.assumptions(facts)
     assert any("residual_dipole_B" in text and place.startswith("satellite.yaml:") for place, text in rows)
     assert any(text.startswith("orbit_outage_interval: 1200 s") for _, text in rows)
+    for name in ("center_of_mass_B", "f107", "disturbance_torque_B", "wheel_inertia"):  # defaults of new satellite
+        assert any(text.startswith(f"{name}: ") for _, text in rows), name
     names = [text.partition(":")[0] for _, text in rows]
     assert "wheel_momentum_noise" in names  # of sensors.yaml, not that of the part that it extends
     assert len(names) == len(set(names))
