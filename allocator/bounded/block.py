@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .allocation import Actuators, allocate, null_space_motion, rod_matrix, spin_torque, wheel_limits
 from .box import Array
@@ -42,7 +41,7 @@ class State:
 
     t: float
     watch: Array | None = None
-    """(6, 4) of a set, the rows of its `Watch`: what its wheels have given of their commands."""
+    """(7, 4) of a set, the rows of its `Watch`: what its wheels have given of their commands."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +56,7 @@ class Outputs:
     tau_residual_B: Array
     b_wheel: OfWheels
     wheel_failed: OfWheels = False
+    wheel_reversed: OfWheels = False
     h_w_failed: OfWheels = False
     """Never: this flavour believes h_w."""
     h_w_estimate: OfWheels = 0.0
@@ -77,8 +77,10 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     by_rods = rod_matrix(u.b_B, p.U) * gains[: p.rods] if with_field else np.zeros((3, p.rods))
     watch = Watch(*x.watch) if x.watch is not None else None
     failed = watch.failed(p) if watch is not None else np.zeros(len(np.atleast_2d(p.wheel_axis)), bool)
-    actuators = _actuators(u, p, by_rods, with_field, failed, watch)
+    actuators = _actuators(u, p, by_rods, with_field, watch)
     spin = spin_torque(u.omega_B, p.of_wheels(u.h_w), p.axes)
+    if watch is not None and not connected(u.wheel_gains):
+        spin = spin - watch.by_trial(p) @ p.axes
     commands, fraction = allocate(u.tau_cmd_B - spin, actuators)
     if not math.isfinite(sum(commands.tolist())):  # inputs so large that their products overflow
         commands, fraction = np.zeros(len(commands)), math.inf
@@ -92,6 +94,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
         tau_residual_B=u.tau_cmd_B - (actuators.torque @ commands + spin),
         b_wheel=_to_port(p.axes @ u.b_B / B if with_field else np.zeros(p.wheels), p),
         wheel_failed=failed if p.is_set else False,
+        wheel_reversed=watch.reversed(p) if watch is not None else np.zeros_like(failed) if p.is_set else False,
         h_w_failed=np.zeros_like(failed) if p.is_set else False,
         h_w_estimate=watch.expected if watch is not None else 0.0,
     )
@@ -103,14 +106,17 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
         return State(x.t + h), outputs(x, u, p)
     watch = Watch(*x.watch).after(u.h_w, h, p)
     y = outputs(State(x.t, watch.rows()), u, p)
-    kept = watch.keeping(u.h_w, y.wheel_torque_cmd, _gains(u, watch.failed(p)), p)
+    kept = watch.keeping(u.h_w, y.wheel_torque_cmd, _gains(u, p, watch), p)
     return State(x.t + h, kept.rows()), replace(y, h_w_estimate=kept.expected)
 
 
-def _gains(u: Inputs, failed: NDArray[np.bool_]) -> Array:
-    """What the wheels (4,) give of their commands: told by wheel_gains, else 0 of those that have failed."""
-    told = connected(u.wheel_gains)
-    return np.asarray(u.wheel_gains, np.float64) if told else np.where(failed, 0.0, 1.0)
+def _gains(u: Inputs, p: Parameters, watch: Watch | None) -> Array:
+    """What the wheels (4,) give of their commands: told by wheel_gains, else 0 of those that have failed, -1 of those
+    that are reversed."""
+    if connected(u.wheel_gains):
+        return np.asarray(u.wheel_gains, np.float64)
+    none = np.ones(len(np.atleast_2d(p.wheel_axis)))
+    return none if watch is None else np.where(watch.failed(p), 0.0, watch.sign(p))
 
 
 def connected(value: OfWheels) -> bool:
@@ -123,12 +129,10 @@ def _to_port(values: Array, p: Parameters) -> OfWheels:
     return np.concatenate((values, np.zeros(len(p.wheel_axis) - len(values)))) if p.is_set else float(values[0])
 
 
-def _actuators(
-    u: Inputs, p: Parameters, by_rods: Array, with_field: bool, failed: NDArray[np.bool_], watch: Watch | None
-) -> Actuators:
+def _actuators(u: Inputs, p: Parameters, by_rods: Array, with_field: bool, watch: Watch | None) -> Actuators:
     """Feed-forward is preferred where it is connected; else no dipole, and each wheel on its way to its target. No
-    dipole is without a field. by_rods (3,rods): the rods' torques per A m2; failed (4,): wheels that are not used."""
-    gains = p.of_wheels(_gains(u, failed))
+    dipole is without a field. by_rods (3,rods): the rods' torques per A m2."""
+    gains = p.of_wheels(_gains(u, p, watch))
     h_w, torque_max, momentum_max = map(p.of_wheels, (u.h_w, p.wheel_torque_max, p.wheel_momentum_max))
     rods_ff = with_field and connected(u.dipole_ff)
     wheel_ff = connected(u.wheel_torque_ff)

@@ -1,5 +1,5 @@
 """Wheels of a set that do not give what is commanded, by their telemetry alone; the native flavour looks at the
-body, too, and learns friction. Tests: tests/native/test_allocator_wheels.py."""
+body, too, and learns friction. Tests: tests/native/test_allocator_failed_wheels.py."""
 
 from __future__ import annotations
 
@@ -23,6 +23,8 @@ RETRY = 3000.0
 """s, after which a wheel that failed is tried again."""
 PROBE_TORQUE, PROBE_TIME = 0.2, 2.0
 """Of its limit, and s: the command by which it is tried, forth and back."""
+WORKS = 0.5
+"""Of its command: a wheel that gives more as it is tried is used, by the sign with which it does."""
 
 
 @dataclass(frozen=True)
@@ -42,39 +44,62 @@ class Watch:
 
     expected: Array
     """N m s, at the next sample; 0 of wheels that are not there."""
+    tried: Array
+    """What each gave of its command as it was last tried; 0: never."""
 
     @staticmethod
     def begun(h_w: Array, command: Array, p: Parameters) -> Watch:
         """Returns the watch at the start, with the first commands (4,) N m."""
         none = np.zeros(len(h_w))
-        return Watch(h_w, command, none, none, none, np.where(np.arange(len(h_w)) < p.wheels, h_w, 0.0))
+        return Watch(h_w, command, none, none, none, np.where(np.arange(len(h_w)) < p.wheels, h_w, 0.0), none)
 
     def after(self, h_w: Array, h: float, p: Parameters) -> Watch:
         """Returns what is known h s later, when the momenta are h_w (4,) N m s."""
         kept = 1.0 / (1.0 + h / FORGOTTEN)
         trust = (TRUST_TORQUE * p.wheel_torque_max) ** 2 * TRUST_TIME
         most = FRICTION * p.wheel_torque_max
-        command = np.copysign(np.maximum(abs(self.command) - most, 0.0), self.command)
+        forth = self.sign(p)
+        command = forth * np.copysign(np.maximum(abs(self.command) - most, 0.0), self.command)
         counts = (self.failed_for <= 0.0) | (self.failed_for > RETRY)
         given = np.where(counts, kept * self.given + command * (h_w - self.h_w), 0.0)
         asked = np.where(counts, kept * self.asked + command**2 * h, 0.0)
         there = np.arange(len(h_w)) < p.wheels
         confirmed = (self.failed_for < 0.0) & (h - self.failed_for > CONFIRMED)
-        later = np.where(confirmed, h, self.failed_for - h)
+        later = np.where(confirmed, RETRY + h, self.failed_for - h)
         found = np.where(there & (given + trust < 0.5 * (asked + trust)), later, 0.0)
-        tried = np.where(given > 0.5 * asked, 0.0, h)
-        longer = np.where(self.failed_for > RETRY + PROBE_TIME, tried, self.failed_for + h)
-        return replace(self, given=given, asked=asked, failed_for=np.where(self.failed_for <= 0.0, found, longer))
+        ends = self.failed_for + 0.5 * h > RETRY + PROBE_TIME
+        whole = asked / (1.0 - FRICTION / PROBE_TORQUE)
+        share = forth * np.clip(np.divide(given, whole, out=np.zeros_like(given), where=whole > 0.0), -1.0, 1.0)
+        tried = np.where(ends, share, self.tried)
+        longer = np.where(ends, np.where(abs(tried) > WORKS, 0.0, h), self.failed_for + h)
+        failed_for = np.where(self.failed_for <= 0.0, found, longer)
+        forgets = ends | ((self.failed_for <= 0.0) & (failed_for > RETRY))
+        given, asked = np.where(forgets, 0.0, given), np.where(forgets, 0.0, asked)
+        return replace(self, given=given, asked=asked, failed_for=failed_for, tried=tried)
 
     def probing(self, torque: Array, p: Parameters) -> Array:
-        """Returns preferred torques (wheels,) N m, of which those of wheels that are tried are their probes."""
+        """Returns the commands (wheels,) N m for preferred torques; those of wheels that are tried are their probes."""
         since = self.failed_for[: p.wheels] - RETRY
-        probe = np.where(since < 0.5 * PROBE_TIME, PROBE_TORQUE, -PROBE_TORQUE) * p.wheel_torque_max[: p.wheels]
-        return np.where(p.find_failures & (since > 0.0), probe, torque)
+        forth = since < 0.5 * (PROBE_TIME + p.command_period)
+        probe = np.where(forth, PROBE_TORQUE, -PROBE_TORQUE) * p.wheel_torque_max[: p.wheels]
+        return np.where(p.find_failures & (since > 0.0), probe, self.sign(p)[: p.wheels] * torque)
+
+    def by_trial(self, p: Parameters) -> Array:
+        """Returns what wheels (wheels,) that are tried give, N m, as the last trial showed."""
+        tried = np.where(self.failed_for > RETRY, self.tried, 0.0)[: p.wheels]
+        return tried * self.probing(np.zeros(p.wheels), p)
+
+    def sign(self, p: Parameters) -> Array:
+        """Returns -1 of each wheel (4,) that is reversed, 1 of the others."""
+        return np.where(self.reversed(p), -1.0, 1.0)
+
+    def reversed(self, p: Parameters) -> NDArray[np.bool_]:
+        """Whether each wheel (4,) gives the opposite of its commands, as its trial showed."""
+        return p.find_failures & (self.tried < -WORKS)
 
     def rows(self) -> Array:
-        """Returns the watch as an array (6, 4), as a state can hold it."""
-        return np.stack((self.h_w, self.command, self.given, self.asked, self.failed_for, self.expected))
+        """Returns the watch as an array (7, 4), as a state can hold it."""
+        return np.stack((self.h_w, self.command, self.given, self.asked, self.failed_for, self.expected, self.tried))
 
     def keeping(self, h_w: Array, command: Array, gains: Array, p: Parameters) -> Watch:
         """Returns the watch with what the next sample is compared with; gains (4,): of the wheels' commands."""

@@ -98,6 +98,9 @@ static bool outputs_of(const AllocatorBoundedLaw *law, const AllocatorBoundedSta
     for (int i = 0; i < WHEELS(&law->p); ++i) {
         spin = subtract(
             spin, scale(WHEEL_MOMENTUM(law, x, u, i), cross(Omega, vector(law->axis[i])))); /* -l_w Omega x e1 [14] */
+#if ALLOCATOR_BOUNDED_WHEELS > 1
+        spin = subtract(spin, scale(allocator_bounded_by_trial(law, x, u, i), vector(law->axis[i])));
+#endif
     }
     Actuators actuators;
     allocator_bounded_actuators(law, x, u, rods, with_field && allocator_bounded_has_dipole_ff(u), &actuators);
@@ -114,6 +117,7 @@ static bool outputs_of(const AllocatorBoundedLaw *law, const AllocatorBoundedSta
 #if ALLOCATOR_BOUNDED_WHEELS > 1
         y->wheel_torque_cmd[i] = allocator_bounded_with_friction(law, x, u, i, given.dh_w[i]);
         y->wheel_failed[i] = allocator_bounded_wheel_failed(law, x, i);
+        y->wheel_reversed[i] = allocator_bounded_wheel_reversed(law, x, i);
         y->h_w_failed[i] = law->p.find_failures && x->telemetry[i].frozen;
         y->h_w_estimate[i] = x->expected[i];
 #endif

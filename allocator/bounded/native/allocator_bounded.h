@@ -28,6 +28,7 @@ typedef struct {
     double answered[ALLOCATOR_BOUNDED_WHEELS];         /* as `given`, of these two */
     double called[ALLOCATOR_BOUNDED_WHEELS];           /* as `asked`, of the smoothed command */
     double failed_for[ALLOCATOR_BOUNDED_WHEELS];       /* s since it gave less than half; below 0: unconfirmed; 0: no */
+    double tried[ALLOCATOR_BOUNDED_WHEELS];            /* what it gave of its command as it was last tried; 0: never */
     double doubted_for[ALLOCATOR_BOUNDED_WHEELS];      /* s since h_w shows less than half, but the body more */
     double friction[ALLOCATOR_BOUNDED_WHEELS];         /* Coulomb friction that each was seen to have, N m */
     double expected[ALLOCATOR_BOUNDED_WHEELS];         /* momentum at the next sample, N m s */
@@ -52,17 +53,26 @@ void allocator_bounded_prepare(const AllocatorBoundedParameters *p, AllocatorBou
 /* Whether wheel i is one that failed, where that is looked for. */
 bool allocator_bounded_wheel_failed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, int i);
 
+/* Whether wheel i gives the opposite of its commands, as its trial showed. */
+bool allocator_bounded_wheel_reversed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, int i);
+
 /* The momentum of wheel i, N m s: h_w, or where that is left out what the wheel has by its commands. */
 double allocator_bounded_wheel_momentum(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                         const AllocatorBoundedInputs *u, int i);
 
-/* What wheel i gives of its command: as it is told by wheel_gains, else 0 of one that has failed. */
+/* What wheel i gives of its command: as it is told by wheel_gains, else 0 of one that has failed, -1 of one that is
+ * reversed. */
 double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                     const AllocatorBoundedInputs *u, int i);
 
-/* The preferred torque of wheel i, N m: that by which it is tried where it failed long ago, else as given. */
+/* The command that is preferred of wheel i, N m: that by which it is tried where it has failed, else the one for the
+ * torque that is preferred. */
 double allocator_bounded_tried_torque(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                       const AllocatorBoundedInputs *u, int i, double preferred);
+
+/* What wheel i gives of the command by which it is tried, N m, as the last trial showed. */
+double allocator_bounded_by_trial(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                  const AllocatorBoundedInputs *u, int i);
 
 /* The command by which wheel i gives the torque that is wanted, N m, beside its friction. */
 double allocator_bounded_with_friction(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,

@@ -1,14 +1,13 @@
 /* Wheels of a set that do not give what is commanded, by their telemetry and by the body.
- * Requirement: AB-3. Tests: tests/native/test_allocator_wheels.py. */
+ * Requirement: AB-3. Tests: tests/native/test_allocator_failed_wheels.py. */
 #include "actuators.h"
 #include "rotation.h"
+#include "trial.h"
 
 #if ALLOCATOR_BOUNDED_WHEELS > 1
 
 /* s, in which what a wheel gave is forgotten */
 static const double FORGOTTEN = 300.0;
-/* Of a wheel's limit: what friction may take of a command. */
-static const double FRICTION = 0.05;
 /* s, in which the friction of a wheel is learned; of its limit: larger commands say more of the drive's gain. */
 static const double LEARNED = 30.0, SMALL_TORQUE = 0.1;
 /* Of a command: less is no motion; of its limit, and s: to where, and how fast, commands of a wheel that stands rise. */
@@ -30,41 +29,6 @@ static const double BODY_MOST = 4.0;
 static const double BLIND_FRICTION = 0.8, BLIND_MOMENTUM = 0.6, BLIND_FADES = 100.0;
 /* s, over which commands and what the body answers are smoothed: its rate's noise is in the commands, too. */
 static const double SMOOTHED = 5.0;
-/* s, after which a wheel that failed is tried again. */
-static const double RETRY = 3000.0;
-/* Of its limit, and s: the command by which it is tried, forth and back. */
-static const double PROBE_TORQUE = 0.2, PROBE_TIME = 2.0;
-
-bool allocator_bounded_wheel_failed(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, int i)
-{
-    return law->p.find_failures && x->failed_for[i] > 0.0;
-}
-
-double allocator_bounded_wheel_momentum(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
-                                        const AllocatorBoundedInputs *u, int i)
-{
-    return law->p.find_failures && x->telemetry[i].frozen ? x->telemetry[i].l : u->h_w[i];
-}
-
-double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
-                                    const AllocatorBoundedInputs *u, int i)
-{
-    if (allocator_bounded_has_wheel_gains(u)) {
-        return u->wheel_gains[i];
-    }
-    return allocator_bounded_wheel_failed(law, x, i) ? 0.0 : 1.0;
-}
-
-double allocator_bounded_tried_torque(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
-                                      const AllocatorBoundedInputs *u, int i, double preferred)
-{
-    const double since = x->failed_for[i] - RETRY;
-    if (since <= 0.0 || !law->p.find_failures || allocator_bounded_has_wheel_gains(u)) {
-        return preferred;
-    }
-    return (since < 0.5 * PROBE_TIME ? PROBE_TORQUE : -PROBE_TORQUE) * law->p.wheel_torque_max[i];
-}
-
 /* The mean sign of a momentum that goes from one to the other evenly. */
 static double mean_sign(double from, double to)
 {
@@ -80,12 +44,12 @@ double allocator_bounded_with_friction(const AllocatorBoundedLaw *law, const All
                                        const AllocatorBoundedInputs *u, int i, double wanted)
 {
     const double limit = law->p.wheel_torque_max[i];
-    if (!(law->p.find_failures && x->friction[i] > 0.0)) {
+    if (!(law->p.find_failures && x->friction[i] > 0.0) || allocator_bounded_wheel_failed(law, x, i)) {
         return wanted;
     }
-    const double h_w = allocator_bounded_wheel_momentum(law, x, u, i);
-    const double sign = mean_sign(h_w, h_w + law->p.command_period * wanted);
-    return clip(wanted + x->friction[i] * sign, -limit, limit);
+    const double h_w = allocator_bounded_wheel_momentum(law, x, u, i), forth = allocator_bounded_sign(law, x, i);
+    const double sign = mean_sign(h_w, h_w + law->p.command_period * forth * wanted);
+    return clip(wanted + x->friction[i] * forth * sign, -limit, limit);
 }
 
 /* What wheel i gives of its last command, N m, by what is known of it. */
@@ -103,7 +67,8 @@ static double by_command(const AllocatorBoundedLaw *law, const AllocatorBoundedS
 static double learned_friction(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x, double change, double h,
                                int i)
 {
-    const double limit = law->p.wheel_torque_max[i], command = x->command[i], gave = change / h;
+    const double limit = law->p.wheel_torque_max[i], command = allocator_bounded_sign(law, x, i) * x->command[i],
+                 gave = change / h;
     if (x->failed_for[i] > 0.0) {
         return 0.0;
     }
@@ -170,17 +135,15 @@ static Vector unseen(const AllocatorBoundedLaw *law, const AllocatorBoundedInput
 static void decide(AllocatorBoundedState *x, double trust, bool by_inertia, double h, int i)
 {
     const double failed_for = x->failed_for[i];
-    if (failed_for > 0.0) {
-        const bool works = failed_for > RETRY + PROBE_TIME && x->given[i] > 0.5 * x->asked[i];
-        x->failed_for[i] = works ? 0.0 : failed_for > RETRY + PROBE_TIME ? h : failed_for + h;
-        return;
-    }
     const bool frozen = x->telemetry[i].frozen, body_shows = x->called[i] > trust;
     const bool less = frozen || x->given[i] + trust < 0.5 * (x->asked[i] + trust);
     const bool answers = x->answered[i] > (frozen ? BODY_ALONE : BODY_SHOWS) * x->called[i];
     const bool found = less && (by_inertia ? body_shows && !answers : !frozen);
     const bool confirmed = h - failed_for > CONFIRMED;
-    x->failed_for[i] = !found ? 0.0 : failed_for < 0.0 && confirmed ? h : failed_for - h;
+    x->failed_for[i] = !found ? 0.0 : failed_for < 0.0 && confirmed ? RETRY + h : failed_for - h;
+    if (x->failed_for[i] > RETRY) {
+        allocator_bounded_forget(x, i);
+    }
     x->doubted_for[i] = !frozen && less && body_shows && answers ? x->doubted_for[i] + h : 0.0;
 }
 
@@ -199,16 +162,21 @@ void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoun
         const bool blind = x->telemetry[i].blind, counts = x->failed_for[i] <= 0.0 || x->failed_for[i] > RETRY;
         const double by_body = change[i] + dot(vector(law->axis[i]), left), shown = blind ? by_body : change[i];
         x->friction[i] = blind ? x->friction[i] : learned_friction(law, x, shown, h, i);
-        const double command = beyond_friction(x->command[i], law->p.wheel_torque_max[i]);
+        const double forth = allocator_bounded_sign(law, x, i), given = forth * x->command[i];
+        const double command = beyond_friction(given, law->p.wheel_torque_max[i]);
         x->given[i] = counts ? kept * x->given[i] + command * shown : 0.0;
         x->asked[i] = counts ? kept * x->asked[i] + command * command * h : 0.0;
         const double share = by_inertia ? h / (h + SMOOTHED) : 0.0;
-        x->slow_command[i] += share * (x->command[i] - x->slow_command[i]);
+        x->slow_command[i] += share * (given - x->slow_command[i]);
         x->slow_answer[i] += share * (by_body / h - x->slow_answer[i]);
         const double slow = beyond_friction(x->slow_command[i], law->p.wheel_torque_max[i]);
         x->answered[i] = counts ? kept * x->answered[i] + slow * x->slow_answer[i] * h : 0.0;
         x->called[i] = counts ? kept * x->called[i] + slow * slow * h : 0.0;
-        decide(x, trust, by_inertia, h, i);
+        if (x->failed_for[i] > 0.0) {
+            allocator_bounded_try_again(x, forth, h, i);
+        } else {
+            decide(x, trust, by_inertia, h, i);
+        }
     }
 }
 

@@ -15,16 +15,27 @@ static const double ACROSS_TIME = 6000.0, ACROSS_FIRST = 600.0; /* s, of its mea
  * can bear that, too. */
 static Vector stopping(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector gyroscopic, Vector by_wheels)
 {
-    const Vector excess = apply(law->J, s->rate);
-    const double size = norm(excess), L = 2.0 * law->p.command_period * (s->reduced ? law->p.bandwidth / s->k : 1.0);
+    const Vector excess = apply(law->J, s->rate), reached = apply(s->reached, excess), others = left_out(s, excess);
+    const double size = norm(reached), L = 2.0 * law->p.command_period;
     const bool bears = norm(add(gyroscopic, by_wheels)) < 0.5 * s->most;
-    double most = s->most;
+    double most = s->most_reached;
     if (!s->reduced && size > 0.0) {
         const double ball = bears ? norm(add(gyroscopic, by_wheels)) : 0.0;
-        most = law->p.torque_share * zonotope_reach(&s->torque, ball, scale(1.0 / size, excess));
+        most = law->p.torque_share * zonotope_reach(&s->torque, ball, scale(1.0 / size, reached));
     }
-    const Vector tau = scale(size > 0.0 ? -smaller(1.0 / L, most / size) : 0.0, excess);
+    const double slower = L * s->k_reached / s->k;
+    const Vector by_rods = scale(-smaller(1.0 / slower, s->most / larger(norm(others), s->most * slower)), others);
+    const Vector tau = add(scale(size > 0.0 ? -smaller(1.0 / L, most / size) : 0.0, reached), by_rods);
     return bears ? add(tau, gyroscopic) : subtract(tau, by_wheels);
+}
+
+/* (9): the torque that answers the errors, by the bandwidth of the directions in which they are. */
+static Vector feedback(const ControllerPlannedWheelsLaw *law, const Sample *s, const Errors *e)
+{
+    const Vector fast = scale(4.0 * s->k_reached, add(scale(s->k_reached, e->zeta), e->omega));
+    const Vector slow = scale(4.0 * s->k, add(scale(s->k, e->zeta), e->omega));
+    const Vector reached = apply(law->J, apply(s->reached, fast)), others = apply(law->J, left_out(s, slow));
+    return add(apply(s->reached, reached), left_out(s, others));
 }
 
 /* (12): the mean of 1 - b b' follows the field along the orbit. */
@@ -71,9 +82,8 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
         tau = stopping(law, s, by_body, by_wheels);
     } else { /* (9) */
         const Errors e = controller_planned_wheels_errors_of(&plan, matrix(u->R_NB), Omega);
-        const Vector spring = add(scale(s->k, e.zeta), e.omega);
-        tau = add(apply(law->J, subtract(e.dOmega_d_B, scale(4.0 * s->k, spring))), by_body);
-        tau = subtract(tau, x->disturbance_B);
+        tau = add(apply(law->J, e.dOmega_d_B), by_body);
+        tau = subtract(tau, add(feedback(law, s, &e), x->disturbance_B));
     }
     store(tau, y->tau_cmd_B);
     store(dipole, y->dipole_ff);

@@ -94,17 +94,25 @@ static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const 
     return H > ENTER * s->held || found.time > 0.0;
 }
 
+/* Whether errors are below LOST times those whose answer is all that there is. */
+static bool is_answered(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector zeta, Vector omega)
+{
+    const double fast = s->k_reached, slow = s->k, J = 4.0 * law->J_bound;
+    const double reached = norm(apply(s->reached, zeta)) + norm(apply(s->reached, omega)) / fast;
+    const double others = norm(left_out(s, zeta)) + norm(left_out(s, omega)) / slow;
+    return reached <= LOST * s->most_reached / (J * fast * fast) && others <= LOST * s->most / (J * slow * slow);
+}
+
 void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, const Sample *s,
                                       const ControllerPlannedWheelsInputs *u, bool first,
                                       ControllerPlannedWheelsState *x)
 {
-    const double answered = LOST * s->most / (law->J_bound * 4.0 * s->k * s->k); /* rad */
     const Vector none = {0.0, 0.0, 0.0};
     const bool follows = !first && s->target.attitude && (x->phase == WHEELS_TURN || x->phase == WHEELS_HOLD);
     if (follows) {
         const Wanted plan = controller_planned_wheels_plan_at(x, &s->target, law->p.command_period);
         const Errors e = controller_planned_wheels_errors_of(&plan, matrix(u->R_NB), vector(u->omega_B));
-        if (norm(e.zeta) + norm(e.omega) / s->k <= answered) {
+        if (is_answered(law, s, e.zeta, e.omega)) {
             if (x->t - x->begun >= turn_time(&x->turn)) {
                 const double w = 2.0 * s->k, most = DISTURBANCE_SHARE * s->most;
                 const Vector more = scale(DISTURBANCE_GAIN * w * w * w * law->p.command_period, apply(law->J, e.zeta));
@@ -120,7 +128,7 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
     x->disturbance_B = none;
     if (sheds(law, s, u, x->phase == WHEELS_SHEDDING && !first, &x->shedding)) {
         x->phase = WHEELS_SHEDDING;
-    } else if (!s->target.attitude || norm(s->rate) > 0.5 * answered * s->k) {
+    } else if (!s->target.attitude || !is_answered(law, s, none, scale(2.0, s->rate))) {
         x->phase = WHEELS_DAMPING;
     } else {
         x->phase = WHEELS_TURN;

@@ -42,6 +42,42 @@ static bool target_of(const ControllerPlannedWheelsLaw *law, const ControllerPla
     return !target->attitude || is_rotation(target->R, REFERENCE_ATTITUDE_TOLERANCE, "R_ref", "a rotation matrix", f);
 }
 
+static Matrix outer(Vector a)
+{
+    return (Matrix){scale(a.x, a), scale(a.y, a), scale(a.z, a)};
+}
+
+/* What a set reaches whose axes lie in a plane, or along a line: in its directions the least that it gives. */
+static void reach_in_plane(int n, const Vector axes[], const double torque[], double share, Sample *s)
+{
+    Vector normal = {0.0, 0.0, 0.0};
+    for (int i = 1; i < n; ++i) {
+        const Vector across = cross(axes[0], axes[i]);
+        normal = norm(across) > norm(normal) ? across : normal;
+    }
+    const double size = norm(normal);
+    double least = 0.0;
+    if (!(size > WHEEL_SET_FLAT)) {
+        s->reached = n > 0 ? outer(axes[0]) : s->reached;
+        for (int i = 0; i < n; ++i) {
+            least += torque[i];
+        }
+    } else {
+        normal = scale(1.0 / size, normal);
+        s->reached = add_scaled(identity, -1.0, outer(normal));
+        least = INFINITY;
+        for (int i = 0; i < n; ++i) {
+            const Vector edge = cross(normal, axes[i]);
+            double distance = 0.0;
+            for (int k = 0; k < n; ++k) {
+                distance += torque[k] * fabs(dot(edge, axes[k]));
+            }
+            least = smaller(least, distance);
+        }
+    }
+    s->most_reached = larger(s->most, share * least);
+}
+
 /* (1), (2) for the wheels that work; the torque of the rods stands in for that of a set that leaves a direction out. */
 static void take_wheels(const ControllerPlannedWheelsLaw *law, const bool failed[WHEELS_MAX], Sample *s)
 {
@@ -61,9 +97,15 @@ static void take_wheels(const ControllerPlannedWheelsLaw *law, const bool failed
     s->torque = zonotope_of(n, axes, torque);
     s->momentum = zonotope_of(n, axes, momentum);
     s->reduced = !(s->torque.inradius > 0.0 && s->momentum.inradius > 0.0);
+    s->reached = identity;
     s->most = s->reduced ? RODS_SHARE * law->rods_dipole * RODS_FIELD : p->torque_share * s->torque.inradius;
     s->held = s->reduced ? RODS_TURN * sqrt(law->J_bound * s->most) : s->momentum.inradius;
     s->k = s->reduced ? smaller(p->bandwidth, sqrt(s->most / (4.0 * law->J_bound * RODS_ANGLE))) : p->bandwidth;
+    s->k_reached = p->bandwidth;
+    s->most_reached = s->most;
+    if (s->reduced) {
+        reach_in_plane(n, axes, torque, p->torque_share, s);
+    }
 }
 
 /* (5), (6). */

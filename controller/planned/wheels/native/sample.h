@@ -21,8 +21,10 @@ typedef struct {
     bool works[WHEELS_MAX];
     Zonotope torque, momentum; /* of the wheels that work */
     bool reduced;              /* they leave a direction out */
+    Matrix reached;            /* projects on the directions that they reach */
     double most, held;         /* N m, N m s, in any direction */
-    double k;                  /* bandwidth, rad/s */
+    double most_reached;       /* N m, in any of these */
+    double k, k_reached;       /* bandwidth, rad/s: where rods stand in for wheels it is less */
 } Sample;
 
 /* The errors from the plan, in body axes: (5). */
@@ -44,6 +46,12 @@ Errors controller_planned_wheels_errors_of(const Wanted *plan, Matrix R, Vector 
 void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, const Sample *s,
                                       const ControllerPlannedWheelsInputs *u, bool first,
                                       ControllerPlannedWheelsState *x);
+
+/* The part of v in the directions that the wheels leave out. */
+static inline Vector left_out(const Sample *s, Vector v)
+{
+    return subtract(v, apply(s->reached, v));
+}
 
 /* (10): each wheel's part of their torque `wanted` on the body, and what evens out their momenta. */
 void controller_planned_wheels_share(const ControllerPlannedWheelsLaw *law, const Sample *s,
