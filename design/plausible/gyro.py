@@ -1,7 +1,8 @@
 """What is left without a gyro where nothing but the field is measured: in eclipse, without a star tracker.
 
 The magnetometer leaves the turn about the field open until the field has turned in inertial space by about a radian.
-Meanwhile a torque tau that nobody knows turns the body by tau T^2/(2 J): a polar orbit has T = 1/(2 n).
+Meanwhile a torque tau that nobody knows turns the body by tau T^2/(2 J) at most: a polar orbit has T = 1/(2 n). A
+residual dipole gives none about the field of the moment, and less: docs/how/health.md has flights.
 Tests: tests/design/test_plausible.py.
 """
 
@@ -40,7 +41,7 @@ def lost(s: Satellite) -> Finding | None:
     angle = f"{math.degrees(drift):.0f} deg" if drift < math.pi else "half a turn and more"
     return Finding(
         f"without its gyro, and in an eclipse of {dark / 60.0:.0f} min, the field alone is measured: a torque of up to "
-        f"{known:.2g} N.m ({parts(acting)}) turns the body about it by {angle} before the field has turned",
+        f"{known:.2g} N.m ({parts(acting)}) can turn the body about it by {angle} before the field has turned",
         f"at most {math.degrees(s.goal):.3g} deg, the error that is expected",
         f"a second gyro or a star tracker; or torques below {allowed:.1g} N.m, such as by a trimmed residual dipole, "
         f"and then estimator.momentum_random_walk of {allowed * math.sqrt(RADIAN):.1g} N.m.s",
