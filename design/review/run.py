@@ -138,7 +138,7 @@ class Timed:
         orbits = sum(of_this[done:]) + sum(sum(self._orbits[name]) for name in later)
         left = (now - self._began) / sum(of_this[self._kept : done]) * orbits
         if self._ends is None or abs(left - (self._ends - now)) > max(OFF * (self._ends - now), SHORT):
-            fewer = "; --runs 40 --members 5 fly fewer" if left > LONG else ""
+            fewer = "; smaller --runs and --members fly fewer" if left > LONG else ""
             self._announce(f"about {max(left / 60.0, 1.0):.0f} min more, by the time of the {study} so far{fewer}")
             self._ends = now + left
 
