@@ -79,19 +79,18 @@ def asked(found: template.Template, given: dict[str, Any]) -> dict[str, Any]:
     answers = dict(given)
     for name, entry in sorted(found.values.items(), key=lambda item: item[0] != "wheels"):
         instead = [other.partition("=") for other in entry.get("instead", ())]
-        known = any(name_ in answers and (not value or answers[name_] == value) for name_, _, value in instead)
-        optional = name in ("wheels", "sensors", "mass") or (
-            name == "wheel_axis" and answers.get("wheels", "one") == "one"
-        )
-        if name in answers or known or not ("example" in entry or optional):
+        if name in answers or any(n in answers and (not value or answers[n] == value) for n, _, value in instead):
             continue
-        without = "; Enter: " + (
-            flow(entry["default"]) if "default" in entry else f"by {instead[0][0]}" if instead else "none"
-        )
-        shown = (f", such as {entry['example']}" if "example" in entry else "") + (
-            without if optional or instead else ""
-        )
-        while (value := _answer(found, name, f"{name}: {entry['what']}{shown}")) is None and not (optional or instead):
+        if name in ("wheels", "sensors") or (name == "wheel_axis" and answers.get("wheels", "one") == "one"):
+            without = f"; Enter: {flow(entry['default'])}"
+        elif name == "inertia" or (name == "mass" and "inertia" in answers):
+            without = "; Enter: that of a mass" if name == "inertia" else "; Enter: not stated"
+        elif name == "mass" or "example" in entry:
+            without = ""
+        else:
+            continue
+        shown = f", such as {entry['example']}" if "example" in entry else ""
+        while (value := _answer(found, name, f"{name}: {entry['what']}{shown}{without}")) is None and not without:
             pass
         if value is not None:
             answers[name] = value
