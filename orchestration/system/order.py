@@ -185,9 +185,11 @@ def _blocks(models: Mapping[str, Model], graph: Graph, soft: set[tuple[str, str]
         if not candidates:
             candidates = sorted(left, key=rank.__getitem__)
             late = sorted({a for a, b in hard if b == candidates[0] and a in left})
+            needed = {n for node, needs in graph.items() if node.block == candidates[0] for n in needs}
+            values = sorted({f"{n.block}.{n.element.variable}" for n in needed if n.block in late})
             warnings.append(
-                f"{candidates[0]} depends directly on {' and '.join(late)}, which cannot be stepped before it: "
-                "those values come one step late"
+                f"{candidates[0]} depends directly on {' and '.join(late)}, which is stepped after it: "
+                f"{', '.join(values)} {'come' if len(values) > 1 else 'comes'} one step late"
             )
         order.append(candidates[0])
         left.remove(candidates[0])

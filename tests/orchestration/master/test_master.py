@@ -279,6 +279,20 @@ def test_a_plant_with_a_diagnostic_that_feeds_through_still_comes_first():
     np.testing.assert_array_equal(result["second.y"], result.time)
 
 
+def test_what_comes_one_step_late_between_blocks_that_need_each_other_is_named():
+    """No output depends on itself: torque, given, gain follow one another, but two are of one block."""
+    outputs = [real(name, "output") for name in ("torque", "gain")]
+    one = Mock("law", model("law", real("told", "input"), *outputs, feedthrough={"gain": ["told"]}), lambda block: None)
+    inputs = [real(name, "input") for name in ("asked", "scale")]
+    other = model("limits", real("given", "output"), *inputs, feedthrough={"given": ["asked"]})
+    wires = ["law.torque -> limits.asked", "limits.given -> law.told", "law.gain -> limits.scale"]
+    blocks = [one, Mock("limits", other, lambda block: None)]
+    result = run(blocks, {"step": 0.1, "duration": 0.2, "connections": wires})
+    assert result.warnings == [
+        "law depends directly on limits, which is stepped after it: limits.given comes one step late"
+    ]
+
+
 @pytest.mark.parametrize("exchange", ["sequential", "parallel"])
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_an_output_that_is_not_finite_ends_the_run_and_is_named(value, exchange):
