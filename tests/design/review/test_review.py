@@ -196,7 +196,9 @@ def test_failures_say_what_raises_no_flag_and_what_an_estimator_lacks(satellite,
     assert rows["gyro frozen"][1] == "not found"
     assert "no failure to the estimator" in notes
     assert "momenta of the wheels" not in notes
+    assert "gyro frozen: without its gyro, and in an eclipse" in notes
     rows, notes = _quiet(of.facts(four_wheels, None))
+    assert "without its gyro, and in an eclipse" not in notes, "there is a star tracker"
     assert rows["star tracker lost"][1] == "no flag: gives nothing"
     assert rows["wheel 1 stuck"][5] == "0"
     assert [rows[f"telemetry of wheel {i} frozen"][1] for i in (1, 4)] == 2 * ["not found"]
