@@ -2,8 +2,8 @@
 
 The actuators' torque is demanded whole at an error of 1 rad, so w^2 = tau/J, but a period of the control is at most a
 tenth of 1/w. The torque is that which a set of wheels gives about any axis, or that of a rod across a field B where it
-is more, as with one wheel, beside which the other axes have rods alone. Without a wheel the axis along the field has
-no torque until the field has turned: a fifth of that frequency.
+is more. Where wheels leave an axis to the rods, as one does, half of that frequency: about it there is torque across
+the field alone. Without a wheel the axis along the field has none until the field has turned: a fifth.
 Tests: tests/design/test_rank.py.
 """
 
@@ -14,15 +14,16 @@ from typing import Any
 import numpy as np
 
 B = 4.4e-5  # T, a mean of the field
-SAMPLED, ALONE, SLOWER = 0.1, 0.2, 10.0
+SAMPLED, LEFT, ALONE, SLOWER = 0.1, 0.5, 0.2, 10.0
 NONE = 1e-8  # N m s: below it a wheel is none
 
 
 def frequency(parameters: Any) -> float:
     """w, rad/s."""
     axes, torques, momenta = wheels(parameters)
-    torque = max(parameters.dipole_max * B, _any_axis(axes.tobytes(), torques.tobytes()))
-    w = np.sqrt(3.0 * torque / np.trace(parameters.J_B)) * (1.0 if momenta.max(initial=0.0) > NONE else ALONE)
+    wheeled = _any_axis(axes.tobytes(), torques.tobytes())
+    share = ALONE if momenta.max(initial=0.0) <= NONE else 1.0 if wheeled else LEFT
+    w = share * np.sqrt(3.0 * max(parameters.dipole_max * B, wheeled) / np.trace(parameters.J_B))
     period = getattr(parameters, "control_period", None) or getattr(parameters, "command_period", 0.0)
     return float(min(w, SAMPLED / period)) if period else float(w)
 
