@@ -80,7 +80,7 @@ def outputs(x: State, u: Inputs, p: Parameters) -> Outputs:
     actuators = _actuators(u, p, by_rods, with_field, watch)
     spin = spin_torque(u.omega_B, p.of_wheels(u.h_w), p.axes)
     if watch is not None and not connected(u.wheel_gains):
-        spin = spin - watch.by_trial(p) @ p.axes
+        spin = spin - watch.by_trial(u.h_w, p) @ p.axes
     commands, fraction = allocate(u.tau_cmd_B - spin, actuators)
     if not math.isfinite(sum(commands.tolist())):  # inputs so large that their products overflow
         commands, fraction = np.zeros(len(commands)), math.inf
@@ -142,9 +142,11 @@ def _actuators(u: Inputs, p: Parameters, by_rods: Array, with_field: bool, watch
         motion = null_space_motion(h_w, p.null_space, p.null_space_momentum, momentum_max) / p.desaturation_time
         wheel_torque = wheel_torque + (motion - p.null_space @ wheel_torque) * p.null_space
     if watch is not None and not connected(u.wheel_gains):
-        wheel_torque = watch.probing(wheel_torque, p)
+        wheel_torque = watch.probing(wheel_torque, u.h_w, p)
     low, high = wheel_limits(h_w, p.command_period, torque_max, momentum_max)
     low, high = np.where(gains < 0.0, -high, low), np.where(gains < 0.0, -low, high)
+    if watch is not None and not connected(u.wheel_gains):
+        low, high = np.where(watch.is_tried(p), -torque_max, low), np.where(watch.is_tried(p), torque_max, high)
     of_rods = p.dipole_max * p.rod_limits[: p.rods]
     weights = (np.full(p.rods, p.rod_weight), np.full(p.wheels, p.wheel_weight_ff if wheel_ff else p.wheel_weight))
     return Actuators(

@@ -23,6 +23,8 @@ RETRY = 3000.0
 """s, after which a wheel that failed is tried again."""
 PROBE_TORQUE, PROBE_TIME = 0.2, 2.0
 """Of its limit, and s: the command by which it is tried, forth and back."""
+AT_LIMIT = 0.99
+"""Of its momentum's limit: a trial that moves it no further says nothing."""
 WORKS = 0.5
 """Of its command: a wheel that gives more as it is tried is used, by the sign with which it does."""
 
@@ -61,6 +63,9 @@ class Watch:
         forth = self.sign(p)
         command = forth * np.copysign(np.maximum(abs(self.command) - most, 0.0), self.command)
         counts = (self.failed_for <= 0.0) | (self.failed_for > RETRY)
+        end = AT_LIMIT * p.wheel_momentum_max
+        stopped = (self.failed_for > RETRY) & (abs(self.h_w) > end) & (abs(h_w) > end)
+        command = np.where(stopped, 0.0, command)
         given = np.where(counts, kept * self.given + command * (h_w - self.h_w), 0.0)
         asked = np.where(counts, kept * self.asked + command**2 * h, 0.0)
         there = np.arange(len(h_w)) < p.wheels
@@ -77,17 +82,22 @@ class Watch:
         given, asked = np.where(forgets, 0.0, given), np.where(forgets, 0.0, asked)
         return replace(self, given=given, asked=asked, failed_for=failed_for, tried=tried)
 
-    def probing(self, torque: Array, p: Parameters) -> Array:
+    def probing(self, torque: Array, h_w: Array, p: Parameters) -> Array:
         """Returns the commands (wheels,) N m for preferred torques; those of wheels that are tried are their probes."""
         since = self.failed_for[: p.wheels] - RETRY
         forth = since < 0.5 * (PROBE_TIME + p.command_period)
-        probe = np.where(forth, PROBE_TORQUE, -PROBE_TORQUE) * p.wheel_torque_max[: p.wheels]
+        first = np.where(p.of_wheels(h_w) > 0.5 * p.wheel_momentum_max[: p.wheels], -PROBE_TORQUE, PROBE_TORQUE)
+        probe = np.where(forth, first, -first) * p.wheel_torque_max[: p.wheels]
         return np.where(p.find_failures & (since > 0.0), probe, self.sign(p)[: p.wheels] * torque)
 
-    def by_trial(self, p: Parameters) -> Array:
+    def by_trial(self, h_w: Array, p: Parameters) -> Array:
         """Returns what wheels (wheels,) that are tried give, N m, as the last trial showed."""
         tried = np.where(self.failed_for > RETRY, self.tried, 0.0)[: p.wheels]
-        return tried * self.probing(np.zeros(p.wheels), p)
+        return tried * self.probing(np.zeros(p.wheels), h_w, p)
+
+    def is_tried(self, p: Parameters) -> NDArray[np.bool_]:
+        """Whether each wheel (wheels,) is tried now."""
+        return p.find_failures & (self.failed_for[: p.wheels] > RETRY)
 
     def sign(self, p: Parameters) -> Array:
         """Returns -1 of each wheel (4,) that is reversed, 1 of the others."""

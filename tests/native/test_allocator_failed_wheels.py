@@ -126,3 +126,16 @@ def test_a_wheel_that_works_again_is_used_after_its_probe() -> None:
     first = next(i for i, each in enumerate(y) if each["wheel_failed"][1])
     assert y[first + 3001]["wheel_failed"][1]
     assert not any(each["wheel_failed"].any() for each in y[first + 3006 :])
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_reversed_wheel_that_is_full_is_found_as_such(side: float) -> None:
+    """Its drive lets no momentum beyond the limit; the demand asks for the way back only."""
+    gains, limit = np.array([1.0, -1.0, 1.0, 1.0]), 0.03
+    h = np.array([0.0, side * 0.02, 0.0, 0.0])
+    with running(BLOCK, **FOUR, b_B=[0.0, 0.0, 0.0], h_w=h, tau_cmd_B=side * 2e-3 * PYRAMID[1]) as it:
+        for i in range(200):
+            h = np.clip(h + 0.5 * gains * it.get("wheel_torque_cmd"), -limit, limit)
+            it.set("h_w", h)
+            it.step(0.5 * i, 0.5)
+        assert it.get("wheel_reversed").tolist() == [0, 1, 0, 0]

@@ -95,5 +95,9 @@ void allocator_bounded_actuators(const AllocatorBoundedLaw *law, const Allocator
         const double up = larger((p->wheel_momentum_max[k] - h_w) / p->command_period, 0.0);
         a->low[i] = -smaller((gain < 0.0 ? up : down) / torque_max, 1.0);
         a->high[i] = smaller((gain < 0.0 ? down : up) / torque_max, 1.0);
+        if (WHEEL_TRIED(law, x, u, k)) { /* of one that is reversed the way back leads out of the limits */
+            a->low[i] = -1.0;
+            a->high[i] = 1.0;
+        }
     }
 }

@@ -13,6 +13,7 @@
 #define WHEELS(p) ((p)->wheels)
 #define WHEEL_TARGET(p, i) ((p)->wheel_momentum_target[i])
 #define WHEEL_GAIN(law, x, u, i) allocator_bounded_wheel_gain(law, x, u, i)
+#define WHEEL_TRIED(law, x, u, i) allocator_bounded_is_tried(law, x, u, i)
 #define WHEEL_MOMENTUM(law, x, u, i) allocator_bounded_wheel_momentum(law, x, u, i)
 #define NULL_SPACE_MOMENTUM(p) ((p)->null_space_momentum)
 #else
@@ -20,6 +21,7 @@
 #define WHEELS(p) 1
 #define WHEEL_TARGET(p, i) 0.0
 #define WHEEL_GAIN(law, x, u, i) ((void)(x), 1.0)
+#define WHEEL_TRIED(law, x, u, i) false
 #define WHEEL_MOMENTUM(law, x, u, i) ((u)->h_w[i])
 #define NULL_SPACE_MOMENTUM(p) 0.0
 #endif

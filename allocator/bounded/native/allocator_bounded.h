@@ -70,6 +70,10 @@ double allocator_bounded_wheel_gain(const AllocatorBoundedLaw *law, const Alloca
 double allocator_bounded_tried_torque(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                       const AllocatorBoundedInputs *u, int i, double preferred);
 
+/* Whether wheel i is tried now. */
+bool allocator_bounded_is_tried(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                const AllocatorBoundedInputs *u, int i);
+
 /* What wheel i gives of the command by which it is tried, N m, as the last trial showed. */
 double allocator_bounded_by_trial(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
                                   const AllocatorBoundedInputs *u, int i);

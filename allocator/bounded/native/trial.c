@@ -50,8 +50,16 @@ double allocator_bounded_tried_torque(const AllocatorBoundedLaw *law, const Allo
     if (since <= 0.0 || !law->p.find_failures) {
         return allocator_bounded_sign(law, x, i) * preferred;
     }
-    return (since < 0.5 * (PROBE_TIME + law->p.command_period) ? PROBE_TORQUE : -PROBE_TORQUE) *
-           law->p.wheel_torque_max[i];
+    const double first = allocator_bounded_wheel_momentum(law, x, u, i) > 0.5 * law->p.wheel_momentum_max[i]
+                             ? -PROBE_TORQUE
+                             : PROBE_TORQUE; /* a wheel that is full is slowed down first */
+    return (since < 0.5 * (PROBE_TIME + law->p.command_period) ? first : -first) * law->p.wheel_torque_max[i];
+}
+
+bool allocator_bounded_is_tried(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,
+                                const AllocatorBoundedInputs *u, int i)
+{
+    return law->p.find_failures && x->failed_for[i] > RETRY && !allocator_bounded_has_wheel_gains(u);
 }
 
 double allocator_bounded_by_trial(const AllocatorBoundedLaw *law, const AllocatorBoundedState *x,

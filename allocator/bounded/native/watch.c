@@ -22,6 +22,7 @@ static const double JUMP = 2.0, JUMP_LEAST = 0.01;
 static const double NOISE = 0.2;
 /* Of its commands: a wheel that has failed gives less, as the body shows it by an inertia that is not exact. */
 static const double BODY_SHOWS = 0.7, BODY_ALONE = 0.4; /* the latter where h_w is left out */
+static const double AT_LIMIT = 0.99; /* of its momentum's limit: a trial that moves it no further says nothing */
 /* Of the torques of all wheels: a body that shows more is not moved by them. */
 static const double BODY_MOST = 4.0;
 /* Of the friction that was learned, what counts without telemetry: by less the momentum drifts until friction turns
@@ -163,7 +164,9 @@ void allocator_bounded_watch(const AllocatorBoundedLaw *law, const AllocatorBoun
         const double by_body = change[i] + dot(vector(law->axis[i]), left), shown = blind ? by_body : change[i];
         x->friction[i] = blind ? x->friction[i] : learned_friction(law, x, shown, h, i);
         const double forth = allocator_bounded_sign(law, x, i), given = forth * x->command[i];
-        const double command = beyond_friction(given, law->p.wheel_torque_max[i]);
+        const double end = AT_LIMIT * law->p.wheel_momentum_max[i];
+        const bool stopped = x->failed_for[i] > RETRY && fabs(x->h_w[i]) > end && fabs(u->h_w[i]) > end;
+        const double command = stopped ? 0.0 : beyond_friction(given, law->p.wheel_torque_max[i]);
         x->given[i] = counts ? kept * x->given[i] + command * shown : 0.0;
         x->asked[i] = counts ? kept * x->asked[i] + command * command * h : 0.0;
         const double share = by_inertia ? h / (h + SMOOTHED) : 0.0;
