@@ -22,12 +22,15 @@ COUNTS = (-209, 64, 209)
 """Bounds of counters in the blocks' states: where a growing number is first tried to stay. Others cost time only."""
 STEP_MAX = 1000.0
 """s, the longest step, where numbers have limits."""
+SCRATCH = {"controller_planned": ("law.",), "controller_planned_wheels": ("law.planned.",)}
+"""Where the members stand that are zero before prepare, as in a static law: `workspace` and `steering_field`."""
 
 _TEXT = """\
 /* Of {name}, with numbers of the range "{range}": written by evidence/proofs/harness.py. */
 #include "{name}.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "__fc_builtin.h"
 
@@ -67,6 +70,15 @@ static void read_fault(const Fault *f)
     }}
     seen_real = f->value;
 }}
+
+#if defined COMMON_ONBOARD_FIELD_H && defined PROOF_APART
+/* In place of its body, which the program `field` follows: any numbers, all of them set. */
+void onboard_field(const GaussModel *model, double days, int degree, const double error[3], OnboardField *field)
+{{
+    Frama_C_make_unknown((char *)field, sizeof *field);
+    field->degree = Frama_C_interval(1, ONBOARD_DEGREE_MAX);
+}}
+#endif
 
 static void look({title}Law *law, const {title}State *x)
 {{
@@ -124,7 +136,7 @@ int main(void)
 {{
     {title}Parameters p;
     {title}Inputs u;
-    {law}
+    {title}Law law; /* not set: prepare has to */{zeros}
     {title}State x;
     Fault f = {{"", "", 0, 0.0}};
     fill_parameters(&p);
@@ -164,7 +176,11 @@ def harness(interface: Interface, span: Range) -> str:
         step="any_real" if span == "any" else f"Frama_C_double_interval(0x1p-20, {STEP_MAX!r})",
         while_time=f" && x->t <= {TIME_MAX!r}" if span == "limits" else "",
         counts=", ".join(map(str, COUNTS)),
-        law=f"static {title}Law law;" if has_field else f"{title}Law law; /* not set: prepare has to */",
+        zeros="".join(
+            f"\n    memset(&{scratch}{name}, 0, sizeof {scratch}{name});"
+            for scratch in SCRATCH.get(interface.code, ())
+            for name in ("workspace", "steering_field")
+        ),
         split="    //@ split p.field_model;\n" if has_field else "",
         **parts,
     )

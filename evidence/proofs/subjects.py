@@ -194,4 +194,12 @@ SUBJECTS = (
         unroll=8,
         paths=20,
     ),
+    _whole(
+        *("controller_planned_wheels", "check_choices", "epoch_read", "advance"),
+        *(f"controller_planned_{call}" for call in ("start", "outputs", "step")),
+        *(f"controller_planned_wheels_{call}_few" for call in ("outputs", "step")),
+        by_contract=("controller_planned_box_qp", "controller_planned_solve_free"),
+        unroll=8,
+        paths=20,
+    ),
 )

@@ -17,7 +17,7 @@
 
 bool controller_planned_check(const ControllerPlannedParameters *p, Fault *f);
 
-/* p must have passed the check. */
+/* p must have passed the check; before the first time its workspace and steering_field are zero. */
 void controller_planned_prepare(const ControllerPlannedParameters *p, ControllerPlannedLaw *law);
 
 /* The state at t = 0, with the first steering or plan. */

@@ -39,13 +39,13 @@ typedef struct {
     double rods_dipole;      /* A m2, of the mean rod at its limit */
     Vector axes[WHEELS_MAX]; /* unit; zero of a wheel that is not there */
     Vector h_target;         /* N m s, of the wheels together */
-    int32_t few;             /* for which `planned` has been prepared; 0: none */
+    int32_t few;             /* for which `planned` is prepared: as in the state, but not 0 */
     ControllerPlannedLaw planned;
 } ControllerPlannedWheelsLaw;
 
 bool controller_planned_wheels_check(const ControllerPlannedWheelsParameters *p, Fault *f);
 
-/* p must have passed the check. */
+/* p must have passed the check; before the first time planned.workspace and planned.steering_field are zero. */
 void controller_planned_wheels_prepare(const ControllerPlannedWheelsParameters *p, ControllerPlannedWheelsLaw *law);
 
 /* The state at t = 0; the first command is that of these inputs. */

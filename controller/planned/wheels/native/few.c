@@ -34,18 +34,20 @@ ControllerPlannedParameters controller_planned_wheels_few_parameters(const Contr
                                       .gravitational_parameter = 3.986004418e14,
                                       .field_model = CONTROLLER_PLANNED_FIELD_MODEL_IGRF14,
                                       .field_degree = 10};
-    const bool has_wheel = few <= WHEELS_MAX;
-    const Vector axis = has_wheel ? unit_vector(vector(p->wheel_axis[few - 1])) : (Vector){1.0, 0.0, 0.0};
     store_matrix(matrix(p->J_B), of.J_B);
     store_matrix(matrix(p->rod_axes), of.rod_axes);
     store_matrix(matrix(p->R_d0), of.R_d0);
     store((Vector){1.0, 1.0, 1.0}, of.rod_gains0);
     store(vector(p->rod_limits), of.rod_limits);
-    store(axis, of.wheel_axis);
     of.dipole_max = p->dipole_max;
     of.control_period = p->command_period;
-    of.wheel_torque_max = has_wheel ? p->wheel_torque_max[few - 1] : NO_WHEEL;
-    of.wheel_momentum_max = has_wheel ? p->wheel_momentum_max[few - 1] : NO_WHEEL;
+    of.wheel_axis[0] = 1.0;
+    of.wheel_torque_max = of.wheel_momentum_max = NO_WHEEL;
+    if (few <= WHEELS_MAX) {
+        store(unit_vector(vector(p->wheel_axis[few - 1])), of.wheel_axis);
+        of.wheel_torque_max = p->wheel_torque_max[few - 1];
+        of.wheel_momentum_max = p->wheel_momentum_max[few - 1];
+    }
     of.reference = p->reference;
     (void)memcpy(of.epoch, p->epoch, sizeof of.epoch);
     return of;
@@ -102,12 +104,17 @@ static void give(const ControllerPlannedOutputs *of, int32_t few, ControllerPlan
     store(vector(of->rod_gains_estimate), y->rod_gains_estimate);
 }
 
-static void prepare(ControllerPlannedWheelsLaw *law, int32_t few)
+void controller_planned_wheels_prepare_few(ControllerPlannedWheelsLaw *law, int32_t few)
+{
+    const ControllerPlannedParameters p = controller_planned_wheels_few_parameters(&law->p, few);
+    controller_planned_prepare(&p, &law->planned);
+    law->few = few;
+}
+
+static void change_to(ControllerPlannedWheelsLaw *law, int32_t few)
 {
     if (law->few != few) {
-        const ControllerPlannedParameters p = controller_planned_wheels_few_parameters(&law->p, few);
-        controller_planned_prepare(&p, &law->planned);
-        law->few = few;
+        controller_planned_wheels_prepare_few(law, few);
     }
 }
 
@@ -117,7 +124,7 @@ bool controller_planned_wheels_step_few(ControllerPlannedWheelsLaw *law, int32_t
 {
     ControllerPlannedInputs now = seen(u, x, few);
     ControllerPlannedOutputs given;
-    prepare(law, few);
+    change_to(law, few);
     const bool begins = first || x->few != few;
     x->few = few;
     if (first) {
@@ -149,7 +156,7 @@ bool controller_planned_wheels_outputs_few(ControllerPlannedWheelsLaw *law, cons
 {
     const ControllerPlannedInputs now = seen(u, x, x->few);
     ControllerPlannedOutputs given;
-    prepare(law, x->few);
+    change_to(law, x->few);
     if (!controller_planned_outputs(&law->planned, &x->planned, &now, &given, f)) {
         return false;
     }

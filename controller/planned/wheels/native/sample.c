@@ -2,6 +2,8 @@
 #include "reference.h"
 #include "sample.h"
 
+#include <string.h>
+
 static const double RODS_SHARE = 0.3;  /* of the rods' torque in a usual field, on which a turn by them relies */
 static const double RODS_FIELD = 3e-5; /* T */
 static const double RODS_ANGLE = 0.1;  /* rad, whose answer is that share: the bandwidth of a reduced set */
@@ -83,8 +85,9 @@ static void take_wheels(const ControllerPlannedWheelsLaw *law, const bool failed
 {
     const ControllerPlannedWheelsParameters *p = &law->p;
     Vector axes[WHEELS_MAX];
-    double torque[WHEELS_MAX], momentum[WHEELS_MAX];
+    double torque[WHEELS_MAX] = {0.0}, momentum[WHEELS_MAX] = {0.0};
     int n = 0;
+    (void)memset(axes, 0, sizeof axes);
     for (int i = 0; i < WHEELS_MAX; ++i) {
         s->works[i] = i < p->wheels && !failed[i];
         if (s->works[i]) {

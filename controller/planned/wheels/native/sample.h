@@ -60,9 +60,12 @@ void controller_planned_wheels_share(const ControllerPlannedWheelsLaw *law, cons
 /* Which wheel alone works, 1 to WHEELS_MAX, or WHEELS_MAX + 1 where none does; 0: more than one. */
 int32_t controller_planned_wheels_few(const ControllerPlannedWheelsLaw *law, const bool failed[WHEELS_MAX]);
 
-/* The parameters of controller_planned for the wheel x->few. */
+/* The parameters of controller_planned for the wheel `few`. */
 ControllerPlannedParameters controller_planned_wheels_few_parameters(const ControllerPlannedWheelsParameters *p,
                                                                      int32_t few);
+
+/* Prepares the plan with that wheel. */
+void controller_planned_wheels_prepare_few(ControllerPlannedWheelsLaw *law, int32_t few);
 
 /* With one wheel or none: from x->t - h, where the state has that number of wheels since before, else the begin. */
 bool controller_planned_wheels_step_few(ControllerPlannedWheelsLaw *law, int32_t few, bool first, double h,

@@ -1,4 +1,6 @@
 /* The parameters of the controller: their check, and what follows from them alone. */
+#include <string.h>
+
 #include "reference.h"
 #include "sample.h"
 
@@ -6,6 +8,7 @@
 static bool bears_target(const ControllerPlannedWheelsParameters *p, Fault *f)
 {
     Vector axes[WHEELS_MAX], h = {0.0, 0.0, 0.0};
+    (void)memset(axes, 0, sizeof axes);
     for (int i = 0; i < p->wheels; ++i) {
         axes[i] = unit_vector(vector(p->wheel_axis[i]));
         h = add(h, scale(p->wheel_momentum_target[i], axes[i]));
@@ -42,14 +45,15 @@ bool controller_planned_wheels_check(const ControllerPlannedWheelsParameters *p,
         return false;
     }
     const ControllerPlannedParameters few = controller_planned_wheels_few_parameters(p, WHEELS_MAX + 1);
-    return controller_planned_check(&few, f);
+    const bool fits = controller_planned_check(&few, f);
+    f->text = !fits && f->text != NULL ? p->epoch : NULL; /* the only text; that of `few` is gone after the return */
+    return fits;
 }
 
 void controller_planned_wheels_prepare(const ControllerPlannedWheelsParameters *p, ControllerPlannedWheelsLaw *law)
 {
     const double *limits = p->rod_limits;
     law->p = *p;
-    law->few = 0;
     law->J = matrix(p->J_B);
     law->J_bound = 0.5 * (law->J.a.x + law->J.b.y + law->J.c.z); /* no moment is above the sum of the others */
     law->R_d0 = nearest_rotation(matrix(p->R_d0));
@@ -61,4 +65,5 @@ void controller_planned_wheels_prepare(const ControllerPlannedWheelsParameters *
         law->axes[i] = i < p->wheels ? unit_vector(vector(p->wheel_axis[i])) : (Vector){0.0, 0.0, 0.0};
         law->h_target = add(law->h_target, scale(p->wheel_momentum_target[i], law->axes[i]));
     }
+    controller_planned_wheels_prepare_few(law, WHEELS_MAX + 1);
 }
