@@ -160,7 +160,7 @@ bool allocator_outputs(const AllocatorLaw *law, const AllocatorState *x, const A
     return allocator_guard(y, f);
 }
 
-//@ assigns \nothing;
+/*@ assigns \nothing; */
 static AllocatorState remember(double t, const AllocatorOutputs *y)
 {
     return (AllocatorState){t, {y->dipole_cmd[0], y->dipole_cmd[1], y->dipole_cmd[2]}, y->wheel_torque_cmd, y->holding};

@@ -73,15 +73,35 @@ class Contract:
         return max((f for f in self.functions if f"_{f}_" in goal), key=len, default="")
 
 
+_OF_OUTPUTS = re.compile(
+    r"\s*requires \\separated\((?:law, )?x, y, f\);\s*\w+_FINITE(?:\s*COMMANDS_WITHIN\(&law->p\))?\s*"
+)
+"""The contract by which outputs leave a block."""
+_CLAUSE = re.compile(r"^\s*((?:requires|ensures|behavior|terminates|decreases|assigns)\b[^;\n]*)", re.MULTILINE)
+"""Of a contract of a function; those of a loop have `loop` before."""
+
+
 def refuse_unproved(text: str, contract: Contract) -> None:
     """Raises InputError where a function of the file has a contract that is not asked for, or calls another behind its
     guard."""
     functions = re.findall(r"^(?:static |inline )*\w[\w *]*?\b(\w+)\([^;{}]*?\)\n\{\n(.*?)^\}", text, re.M | re.S)
-    stated = re.findall(
-        r"\*/\n(?:static |inline )*\w[\w *]*?\b(\w+)\([^;{}]*?\)\n\{", re.sub(r"/\*[^@].*?\*/", "", text, flags=re.S)
-    )
+    notes = re.sub(r"/\*[^@].*?\*/", "", text, flags=re.S)
+    stated = {
+        name: note
+        for note, name in re.findall(
+            r"/\*@((?:(?!\*/).)*)\*/\n(?:static |inline )*\w[\w *]*?\b(\w+)\([^;{}]*?\)\n\{", notes, re.S
+        )
+    }
     if others := sorted(set(stated) - {*contract.functions}):
         raise InputError(f"{contract.file}: {others[0]} has a contract that is not proved; remedy: contracts.py")
+    left = [note for pair in re.findall(r"/\*@((?:(?!\*/).)*)\*/|//@([^\n]*)", notes, re.S) if (note := "".join(pair))]
+    for note in stated.values():
+        left.remove(note)
+    if elsewhere := [said for note in left for said in _CLAUSE.findall(note)]:
+        raise InputError(f"{contract.file}: {elsewhere[0]!r} stands before no function's body; expected one")
+    for name in contract.functions:
+        if name.endswith(("_outputs", "_step")) and not _OF_OUTPUTS.fullmatch(stated.get(name, "")):
+            raise InputError(f"{contract.file}: {name}: expected to require that x, y and f are apart, and no more")
     for name, body in functions:
         behind = re.split(r"\b(?:\w+_guard|give)\([^()]*\)", body)[-1]
         if name in contract.functions and behind != body and (call := re.search(r"\b(?!if|return|fault)\w+\(", behind)):

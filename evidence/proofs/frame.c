@@ -21,7 +21,7 @@ typedef struct {
 static void reader_of_any_state(void)
 {
     uint8_t room[ROOM];
-    LinkReader reader = {room, ROOM, 0, 0, (uint32_t)any_integer, any_integer != 0};
+    LinkReader reader = {room, ROOM, 0, 0, Frama_C_unsigned_int_interval(0, UINT32_MAX), any_integer != 0};
     LinkFrame frame;
     Frama_C_make_unknown((char *)room, ROOM);
     reader.held = (size_t)Frama_C_interval(0, ROOM);
@@ -55,7 +55,8 @@ static void records(uint8_t format)
     Values in, out;
     Frama_C_make_unknown((char *)bytes, sizeof bytes);
     link_take(&record, bytes, format, &in);
-    seen_integer = (unsigned)in.integers[0] + in.booleans[VALUES - 1] + (unsigned)in.text[7];
+    seen_integer = in.integers[0] < 0;
+    seen_integer = in.booleans[VALUES - 1] + (unsigned)in.text[7];
     for (int i = 0; i < VALUES; ++i) {
         out.reals[i] = in.reals[i];
         out.integers[i] = in.integers[i];

@@ -89,22 +89,29 @@ def prove_contracts() -> list[tuple[Contract, Result]]:
 
 def make(names: Sequence[str]) -> Path | None:
     """Proves, and writes the page where all was proved, and the rules hold. `contracts` is one of the names."""
+    before = digests()
     if not names:
         say(f"{rules.check().total()} findings of rules, all as in {rules.FILE.name}")
     results = [] if tuple(names) == ("contracts",) else prove([name for name in names if name != "contracts"])
     contracts = prove_contracts() if not names or "contracts" in names else []
     if names:
         return None
+    if digests() != before:
+        raise InputError("the C of a block changed while it was proved; remedy: once more")
     keep(results)
     return page_of(results, contracts)
+
+
+def digests() -> dict[str, str]:
+    """Those of the C of each block that is proved for any numbers."""
+    blocks = [Block.named(s.name) for s in SUBJECTS if s.span == "any"]
+    return {b.name: flight.digest_of(flight.sources(b.interface, b.folder)) for b in blocks}
 
 
 def keep(results: Sequence[tuple[Subject, Result]]) -> None:
     """Writes how much each program reached, and the digest of the C of each block that was proved."""
     REACHED.write_text("".join(f"{s.title!r}: {r.statements[0]}\n" for s, r in results), "utf-8")
-    blocks = [Block.named(s.name) for s, _ in results if s.span == "any"]
-    digests = {b.name: flight.digest_of(flight.sources(b.interface, b.folder)) for b in blocks}
-    (ROOT / flight.PROVED).write_text(json.dumps(digests, indent=1, sort_keys=True) + "\n", "utf-8")
+    (ROOT / flight.PROVED).write_text(json.dumps(digests(), indent=1, sort_keys=True) + "\n", "utf-8")
 
 
 def page_of(results: Sequence[tuple[Subject, Result]], contracts: Sequence[tuple[Contract, Result]]) -> Path:

@@ -102,9 +102,21 @@ _APART = re.compile(f"{_PROMISES}|{_ANNOTATIONS}|{_ELSEWHERE}", re.DOTALL)
 proves."""
 
 
+_BY_COMPILER = re.compile(r"\b(?:asm|__asm__|__builtin_\w+|__attribute__|ghost|inductive|long|short)\b")
+"""What the proof and a compiler may take for other things: the width of `long` is that of the processor."""
+_CONDITIONS = re.compile(
+    r"ifndef \w+_H|ifdef (?:PROOF_\w+|__FRAMAC__)|if (?:ALLOCATOR_BOUNDED|ESTIMATOR)_WHEELS > 1"
+    r"|if defined\(ESTIMATOR_WITHOUT_BANK\)"
+)
+_NO_BLOCK = re.compile(
+    r"/shell\d?/|^fmus/(?:kit|link|python|telemetry)/|/freestanding/(?:math|string)\.h|/freestanding/memory\.c"
+)
+"""C round the blocks, which is another one for each system and compiler."""
+
+
 def refuse_assumptions(root: Path) -> None:
     """Raises InputError where the C of `root` asks a proof to take something as given, has a goto, or is another C for
-    the proof than for the compiler."""
+    the proof than for the compiler, or for one compiler than for another."""
     for name, text in c_of(root):
         other = re.search(r"#undef|__FRAMAC__|\bPROOF_\w+", _APART.sub("", text))
         if other and "/shell" not in name:
@@ -112,6 +124,16 @@ def refuse_assumptions(root: Path) -> None:
         given = [note for note in re.findall(r"/\*@.*?\*/|//@[^\n]*", text, re.DOTALL) if _ASSUMES.search(note)]
         if given or re.search(r"\bgoto \w+;", text):
             raise InputError(f"{name}: {given[0] if given else 'goto'}: expected a proof, not an assumption")
+        if not _NO_BLOCK.search(name):
+            _refuse_compilers(name, text)
+
+
+def _refuse_compilers(name: str, text: str) -> None:
+    bare = re.sub(r"/\*[^@].*?\*/|//[^@\n][^\n]*", "", re.sub(r'"[^"\n]*"', '""', text), flags=re.DOTALL)
+    conditions = re.findall(r"^ *# *((?:if|elif)[^\n]*?) *$", bare, re.MULTILINE)
+    other = [c for c in conditions if not _CONDITIONS.fullmatch(c)] or _BY_COMPILER.findall(bare)
+    if other:
+        raise InputError(f"{name}: {other[0]}: expected the same C for each compiler and processor")
 
 
 def copy(root: Path, into: Path) -> dict[tuple[str, int], str]:

@@ -22,6 +22,8 @@ from .contracts import BY_WP
 from .harness import Range, harness
 from .rounds import copy, refuse_assumptions
 
+GOALS = ("user assertion", "loop invariant")
+"""Kinds of what WP proves beside postconditions; of memory it looks at nothing."""
 HERE = Path(__file__).parent
 REACHED = HERE / "reached.yaml"
 CALLS = ("check", "prepare", "start", "outputs", "step")
@@ -108,7 +110,7 @@ class Subject:
     def is_proved_elsewhere(self, alarm: Alarm) -> bool:
         """A postcondition of a function whose body another program follows, or what WP proves of a function."""
         if (alarm.file, alarm.function) in BY_WP:
-            return alarm.kind == "postcondition" or alarm.file == "finite.h"
+            return alarm.kind in ("postcondition", *(GOALS if alarm.file == "finite.h" else ()))
         return alarm.kind == "postcondition" and alarm.function in self.by_contract
 
     def definitions(self) -> tuple[str, ...]:
@@ -136,20 +138,27 @@ def reached() -> dict[str, int]:
 
 _BUILTINS = ("-eva-no-builtins-auto", "-eva-builtin", "memcpy:Frama_C_memcpy")
 _FRAME = (
-    *("-no-warn-unsigned-downcast", "-eva-slevel", "5000", "-eva-split-limit", "100"),
+    *("-eva-slevel", "5000", "-eva-split-limit", "100"),
     *("-eva-split-return-function", "up_to_mark:full,take_number:full"),
 )
 _UNROLL = ("-eva-auto-loop-unroll", "64")
 
 
-def _whole(name: str, *closely: str, by_contract: tuple[str, ...] = (), unroll: int = 64, paths: int = 2000) -> Subject:
+def _whole(
+    name: str,
+    *closely: str,
+    by_contract: tuple[str, ...] = (),
+    unroll: int = 64,
+    paths: int = 2000,
+    options: tuple[str, ...] = (),
+) -> Subject:
     """A block with any numbers, not followed closely but where it refuses.
 
     Loops of up to `unroll` rounds are followed round by round; `paths` are kept apart in functions.
     """
     code = Block.named(name).interface.code
     calls = ("look", "move", *(f"{code}_{call}" for call in ("start", "outputs", "step")))
-    options = ("-eva-auto-loop-unroll", str(unroll))
+    options = ("-eva-auto-loop-unroll", str(unroll), *options)
     return Subject(name, "any", 0, (*calls, *closely), by_contract, paths=paths, options=options)
 
 
@@ -195,11 +204,13 @@ SUBJECTS = (
         paths=20,
     ),
     _whole(
-        *("controller_planned_wheels", "check_choices", "epoch_read", "advance"),
+        *("controller_planned_wheels", "check_choices", "epoch_read", "advance", "target_of"),
+        *("reference_at", "reference_lvlh", "controller_planned_wheels_take_sample"),
         *(f"controller_planned_{call}" for call in ("start", "outputs", "step")),
         *(f"controller_planned_wheels_{call}_few" for call in ("outputs", "step")),
         by_contract=("controller_planned_box_qp", "controller_planned_solve_free"),
         unroll=8,
         paths=20,
+        options=("-eva-split-return-function", "controller_planned_wheels_step_few:full"),
     ),
 )

@@ -26,7 +26,7 @@ uint32_t link_crc(const uint8_t *bytes, size_t n)
 static void put_number(uint64_t value, size_t n, bool big, uint8_t *to)
 {
     for (size_t i = 0; i < n; ++i) {
-        to[big ? n - 1 - i : i] = (uint8_t)(value >> (8 * i));
+        to[big ? n - 1 - i : i] = (uint8_t)((value >> (8 * i)) & 0xFFu);
     }
 }
 
@@ -153,7 +153,7 @@ static double take_real(const uint8_t *from, uint8_t format)
 {
     const bool shorter = (format & LINK_SINGLE) != 0;
     const uint64_t bits = take_number(from, shorter ? 4 : 8, (format & LINK_BIG_ENDIAN) != 0);
-    const uint32_t few = (uint32_t)bits;
+    const uint32_t few = (uint32_t)(bits & UINT32_MAX);
     double value;
     float single;
     memcpy(&value, &bits, sizeof value);
@@ -174,7 +174,7 @@ double link_take_time(const uint8_t *from, uint8_t format)
 static void put_element(const LinkField *field, const unsigned char *from, size_t i, uint8_t format, uint8_t *to)
 {
     double real;
-    int32_t integer;
+    uint32_t integer; /* with the bits of an int32_t */
     bool boolean;
     switch (field->kind) {
     case LINK_IS_REAL:
@@ -183,7 +183,7 @@ static void put_element(const LinkField *field, const unsigned char *from, size_
         break;
     case LINK_IS_INTEGER:
         memcpy(&integer, from + i * sizeof integer, sizeof integer);
-        put_number((uint32_t)integer, 4, (format & LINK_BIG_ENDIAN) != 0, to);
+        put_number(integer, 4, (format & LINK_BIG_ENDIAN) != 0, to);
         break;
     case LINK_IS_BOOLEAN:
         memcpy(&boolean, from + i * sizeof boolean, sizeof boolean);

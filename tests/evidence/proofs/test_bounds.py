@@ -9,7 +9,8 @@ import shutil
 
 import pytest
 
-from evidence.proofs.bounds import CALLS, bounds_of, refuse_heap
+from evidence.processor.firmware import deepest
+from evidence.proofs.bounds import CALLS, _graph, bounds_of, refuse_heap
 from orchestration import InputError
 
 
@@ -29,3 +30,22 @@ def test_the_allocator_has_a_bounded_stack_and_a_step_needs_at_least_that_of_its
     bounds = bounds_of("allocator")
     assert set(bounds.stack) == set(CALLS)
     assert 100 < bounds.stack["outputs"] < bounds.stack["step"] < 1000
+
+
+@pytest.mark.thorough
+@pytest.mark.skipif(
+    shutil.which("arm-none-eabi-gcc") is None, reason="arm-none-eabi-gcc is not installed (Debian: gcc-arm-none-eabi)"
+)
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("static int (*const g)(int) = h;\nint f(int x);\nint f(int x)\n{\n    return g(x);\n}\n", "__indirect_call"),
+        ("int f(int x);\nint f(int x)\n{\n    return x < 2 ? h(x) : f(x - 2);\n}\n", "f calls f"),
+    ],
+)
+def test_what_the_optimiser_hides_is_refused(tmp_path, text, says):
+    source = tmp_path / "f.c"
+    source.write_text(f"static int h(int x)\n{{\n    return x + 1;\n}}\n{text}")
+    assert deepest([_graph(source, [], tmp_path)], "f") >= 0
+    with pytest.raises(InputError, match=says):
+        deepest([_graph(source, [], tmp_path, "-O0")], "f")

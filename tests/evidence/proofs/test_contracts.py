@@ -61,6 +61,24 @@ def test_outputs_and_step_of_each_block_that_flies_promise_what_its_guard_does(b
             "bool other(int x)\n{\n    return x > 0;\n}\n\nbool controller_planned_wheels_outputs(",
             "other has a contract that is not proved",
         ),
+        (
+            "controller_planned_wheels",
+            "bool controller_planned_wheels_outputs(",
+            "bool other(int x);\n\nbool controller_planned_wheels_outputs(",
+            "stands before no function's body",
+        ),
+        (
+            "allocator_bounded",
+            "bool allocator_bounded_start(",
+            "//@ ensures \\result == 0;\nbool allocator_bounded_start(",
+            "'ensures \\\\result == 0' stands before no function's body",
+        ),
+        (
+            "supervisor",
+            "/*@ requires \\separated(x, y, f);\n    SUPERVISOR_FINITE */\nbool supervisor_step(",
+            "/*@ requires \\separated(x, y, f) && h < 0.0 && h > 1.0;\n    SUPERVISOR_FINITE */\nbool supervisor_step(",
+            "supervisor_step: expected to require that x, y and f are apart, and no more",
+        ),
     ],
 )
 def test_a_call_behind_the_guard_and_a_contract_that_nobody_proves_are_refused(block, old, new, says):

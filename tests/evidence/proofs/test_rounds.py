@@ -84,6 +84,22 @@ def test_c_that_asks_to_take_something_as_given_is_refused(tmp_path, text):
 @pytest.mark.parametrize(
     "text",
     [
+        "#if defined(__arm__)\nint y;\n#endif",
+        "#if 0\n#elif __OPTIMIZE__\nint y;\n#endif",
+        "long y;",
+        'void f(void) { asm("nop"); }',
+        "int f(int x) { return __builtin_abs(x); }",
+        "/*@ ghost int y; */",
+    ],
+)
+def test_c_that_is_another_for_one_compiler_than_for_another_is_refused(tmp_path, text):
+    good = '#ifndef A_H\n#define A_H\n/* As long as asm. */\n// long\nint x; char y[] = "too long";\n#endif\n'
+    refused(tmp_path, good, f"{text}\n", "expected the same C for each compiler and processor")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
         "#ifndef __FRAMAC__\n    y[9] = 0.0;\n#endif",
         "#ifdef __FRAMAC__\n    y[0] = 0.0;\n#endif",
         "#ifdef __FRAMAC__\n#undef A_FINITE\n#endif",
