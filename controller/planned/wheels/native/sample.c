@@ -85,7 +85,7 @@ static void take_wheels(const ControllerPlannedWheelsLaw *law, const bool failed
 {
     const ControllerPlannedWheelsParameters *p = &law->p;
     Vector axes[WHEELS_MAX];
-    double torque[WHEELS_MAX] = {0.0}, momentum[WHEELS_MAX] = {0.0};
+    double torque[WHEELS_MAX] = {0.0, 0.0, 0.0, 0.0}, momentum[WHEELS_MAX] = {0.0, 0.0, 0.0, 0.0};
     int n = 0;
     (void)memset(axes, 0, sizeof axes);
     for (int i = 0; i < WHEELS_MAX; ++i) {

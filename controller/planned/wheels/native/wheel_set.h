@@ -5,8 +5,7 @@
 
 #include "wheels.h"
 
-enum { FACETS_MAX = 6 }; /* pairs of axes */
-_Static_assert(2 * FACETS_MAX == WHEELS_MAX * (WHEELS_MAX - 1), "FACETS_MAX: pairs of WHEELS_MAX");
+enum { FACETS_MAX = 6 }; /* pairs of WHEELS_MAX axes */
 
 static const double WHEEL_SET_FLAT = 1e-6; /* of the sum of the limits: a zonotope that is thinner has no volume */
 
