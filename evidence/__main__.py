@@ -307,6 +307,7 @@ def trace() -> None:
         raise InputError("the package reqif is not installed; remedy: pip install reqif")
     from .trace.matrix import make  # reqif, which this command alone needs  # noqa: PLC0415
 
+    proofs_made.refuse_stale()
     say(f"written: {make()}")
 
 

@@ -108,6 +108,12 @@ def digests() -> dict[str, str]:
     return {b.name: flight.digest_of(flight.sources(b.interface, b.folder)) for b in blocks}
 
 
+def refuse_stale() -> None:
+    """Raises InputError where the C that was proved is not that which is there."""
+    if digests() != json.loads((ROOT / flight.PROVED).read_text("utf-8")):
+        raise InputError(f"{flight.PROVED}: the C that was proved is another; remedy: make prove")
+
+
 def keep(results: Sequence[tuple[Subject, Result]]) -> None:
     """Writes how much each program reached, and the digest of the C of each block that was proved."""
     REACHED.write_text("".join(f"{s.title!r}: {r.statements[0]}\n" for s, r in results), "utf-8")

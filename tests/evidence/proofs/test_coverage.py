@@ -10,10 +10,10 @@ import re
 import pytest
 import yaml
 
-from evidence.proofs import coverage
+from evidence.proofs import coverage, make
 from evidence.proofs.analysis import Alarm, Result
 from evidence.proofs.coverage import FLIGHT, defined, rows
-from evidence.proofs.make import PAGE, followed_elsewhere
+from evidence.proofs.make import PAGE, followed_elsewhere, refuse_stale
 from evidence.proofs.subjects import REACHED, SUBJECTS
 from orchestration import InputError
 
@@ -59,6 +59,13 @@ def test_the_page_is_of_the_run_that_was_kept():
     kept = yaml.safe_load(REACHED.read_text("utf-8"))
     rows = re.findall(r"^\| `(\w+)`, (\w+) \| (\d+) of", PAGE.read_text("utf-8"), re.MULTILINE)
     assert {(name if name in kept else f"{name}, {span}"): int(n) for name, span, n in rows} == kept
+
+
+def test_what_is_traced_to_a_proof_is_the_c_that_was_proved(monkeypatch):
+    refuse_stale()
+    monkeypatch.setattr(make, "digests", dict)
+    with pytest.raises(InputError, match="the C that was proved is another; remedy: make prove"):
+        refuse_stale()
 
 
 def test_a_contract_that_stands_in_for_a_body_is_proved_by_another_program():
