@@ -22,8 +22,11 @@ COUNTS = (-209, 64, 209)
 """Bounds of counters in the blocks' states: where a growing number is first tried to stay. Others cost time only."""
 STEP_MAX = 1000.0
 """s, the longest step, where numbers have limits."""
-SCRATCH = {"controller_planned": ("law.",), "controller_planned_wheels": ("law.planned.",)}
-"""Where the members stand that are zero before prepare, as in a static law: `workspace` and `steering_field`."""
+SCRATCH = {
+    "controller_planned": ("law.workspace", "law.steering_field"),
+    "controller_planned_wheels": ("law.planned.workspace", "law.planned.steering_field"),
+}
+"""What is zero before prepare, as in a static law."""
 
 _TEXT = """\
 /* Of {name}, with numbers of the range "{range}": written by evidence/proofs/harness.py. */
@@ -176,11 +179,7 @@ def harness(interface: Interface, span: Range) -> str:
         step="any_real" if span == "any" else f"Frama_C_double_interval(0x1p-20, {STEP_MAX!r})",
         while_time=f" && x->t <= {TIME_MAX!r}" if span == "limits" else "",
         counts=", ".join(map(str, COUNTS)),
-        zeros="".join(
-            f"\n    memset(&{scratch}{name}, 0, sizeof {scratch}{name});"
-            for scratch in SCRATCH.get(interface.code, ())
-            for name in ("workspace", "steering_field")
-        ),
+        zeros="".join(f"\n    memset(&{name}, 0, sizeof {name});" for name in SCRATCH.get(interface.code, ())),
         split="    //@ split p.field_model;\n" if has_field else "",
         **parts,
     )

@@ -13,6 +13,10 @@ from evidence.processor.firmware import deepest
 from evidence.proofs.bounds import CALLS, _graph, bounds_of, refuse_heap
 from orchestration import InputError
 
+compiled = pytest.mark.skipif(
+    shutil.which("arm-none-eabi-gcc") is None, reason="arm-none-eabi-gcc is not installed (Debian: gcc-arm-none-eabi)"
+)
+
 
 @pytest.mark.parametrize("function", ["malloc", "free"])
 def test_a_call_of_the_heap_is_refused(function):
@@ -23,9 +27,7 @@ def test_a_call_of_the_heap_is_refused(function):
 
 
 @pytest.mark.thorough
-@pytest.mark.skipif(
-    shutil.which("arm-none-eabi-gcc") is None, reason="arm-none-eabi-gcc is not installed (Debian: gcc-arm-none-eabi)"
-)
+@compiled
 def test_the_allocator_has_a_bounded_stack_and_a_step_needs_at_least_that_of_its_outputs():
     bounds = bounds_of("allocator")
     assert set(bounds.stack) == set(CALLS)
@@ -33,9 +35,7 @@ def test_the_allocator_has_a_bounded_stack_and_a_step_needs_at_least_that_of_its
 
 
 @pytest.mark.thorough
-@pytest.mark.skipif(
-    shutil.which("arm-none-eabi-gcc") is None, reason="arm-none-eabi-gcc is not installed (Debian: gcc-arm-none-eabi)"
-)
+@compiled
 @pytest.mark.parametrize(
     ("text", "says"),
     [
