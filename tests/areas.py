@@ -26,9 +26,10 @@ import tomllib
 import warnings
 import xml.etree.ElementTree as ET
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from math import fsum
 from pathlib import Path
 from queue import SimpleQueue
 from time import monotonic
@@ -62,6 +63,10 @@ AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
              "tests/tools/test_rates.py")),
     "allocator in C": (("allocator/**/native/*.c",), ("tests/allocator", *_C)),
     "controller in C": (("controller/native/*.c",), ("tests/controller", *_C)),
+    "FMI shell in C": (
+        ("fmus/native/shell/*.c",),
+        tuple(f"tests/native/test_{name}.py" for name in ("calls", "values", "states", "memory", "sampling", "limits",
+                                                          "refusals", "fmi3"))),
     "estimator in C": (("estimator/native/*.c",), ("tests/estimator", *_C)),
     "planner's watches in C": (
         ("controller/planned/native/estimate/*.c", "controller/planned/native/decide/*.c",
@@ -72,6 +77,7 @@ AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
         ("controller/planned/native/plan/*.c", "controller/planned/native/motion.c",
          "controller/planned/native/scales.c", "controller/planned/native/parameters.c"),
         _PLANNER),
+    "plant in C": (("plant/native/*.c",), ("tests/native/test_plant.py", "tests/native/test_plant_wheels.py", *_C)),
     "sensors in C": (("plant/sensors/native/*.c",), ("tests/plant/sensors", *_C)),
     "supervisor in C": (("supervisor/native/*.c",), ("tests/supervisor", *_C)),
 }  # fmt: skip
@@ -188,7 +194,7 @@ def _unseen(area: str, chosen: list[Change], share: float | None, folder: Path, 
             path = root / change.file
             text = path.read_text("utf-8")
             path.write_text(change.text, "utf-8")
-            end = "seen" if _is_seen(root, groups, path.stem) else "NOT SEEN"
+            end = "seen" if _is_seen(root, groups, path) else "NOT SEEN"
             path.write_text(text, "utf-8")
             copies.put(root)
         print(f"{change.number} {end} {change.file}:{change.line}: {change.words}", flush=True)
@@ -214,8 +220,7 @@ def _with_objects(root: Path, folder: Path) -> None:
 
 @dataclass(frozen=True)
 class _Group:
-    """Test files of one kind, those with the name of the changed file first and then the quickest; and a time, s, that
-    they do not take."""
+    """Test files of one kind, the quickest first, and a time, s, that they do not take."""
 
     kind: str
     files: tuple[str, ...]
@@ -236,14 +241,20 @@ def _timed(root: Path, area: str, kind: str, share: float) -> _Group:
     times: Counter[str] = Counter()
     for case in ET.parse(report).getroot().iter("testcase"):  # pytest wrote it
         times[case.attrib["file"]] += float(case.attrib["time"])
+    return _Group(kind, quickest(times, share), 60.0 + 4.0 * (monotonic() - begun))
+
+
+def quickest(times: Mapping[str, float], share: float) -> tuple[str, ...]:
+    """The files with the least times, in their order, that take no more than a share of the time of all."""
     files = sorted(times, key=times.__getitem__)
-    files = [file for n, file in enumerate(files, 1) if sum(map(times.get, files[:n])) <= share * times.total()]
-    return _Group(kind, tuple(files), 60.0 + 4.0 * (monotonic() - begun))
+    most = share * fsum(times.values())  # exact, so that a share of 1 is all
+    return tuple(file for n, file in enumerate(files, 1) if fsum(times[each] for each in files[:n]) <= most)
 
 
-def _is_seen(root: Path, groups: Sequence[_Group], name: str) -> bool:
+def _is_seen(root: Path, groups: Sequence[_Group], path: Path) -> bool:
     for group in groups:
-        files = sorted(group.files, key=lambda file: Path(file).stem != f"test_{name}")
+        near = "tests/native/" if path.suffix == ".c" else "tests/"
+        files = sorted(group.files, key=lambda file: (Path(file).stem != f"test_{path.stem}", near not in file))
         end = _run(root, _Group(group.kind, tuple(files), group.limit)) if files else None
         if files and (end is None or end.returncode not in _FINE):
             return True

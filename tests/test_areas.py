@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from . import objects
-from .areas import AREAS, EQUIVALENT, ROOT, changes, drawn
+from .areas import AREAS, EQUIVALENT, ROOT, changes, drawn, quickest
 
 
 def changed(tmp_path: Path, name: str, text: str) -> set[str]:
@@ -53,6 +53,12 @@ def test_a_seed_draws_the_same_changes_again_and_fewer_of_them_are_the_first_one
         text = (ROOT / change.file).read_text("utf-8")
         differ = [i for i, (a, b) in enumerate(zip(text.splitlines(), change.text.splitlines(), strict=True)) if a != b]
         assert differ == [change.line - 1]
+
+
+def test_all_tests_are_run_where_no_share_is_asked_for():
+    times = {f"test_{n}.py": 0.1 * (n % 7 + 1) / 3.0 for n in range(100)}
+    assert set(quickest(times, 1.0)) == set(times)
+    assert quickest({"a": 3.0, "b": 1.0, "c": 2.0}, 0.5) == ("b", "c")
 
 
 @pytest.mark.compile

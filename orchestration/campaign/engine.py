@@ -45,7 +45,7 @@ class Finished:
     """Why the first run failed that did."""
     wall: float
     """Seconds of this start."""
-    interrupted: int = 0
+    interrupted: int
     """The number of the signal that ended it; 0 for none."""
     page: Path | None = None
     """The report page."""

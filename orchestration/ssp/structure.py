@@ -150,8 +150,8 @@ class _System:
                 raise self._refused((*end.element, end.connector), f"fed through a {kind}")
         if end in self._into.flows:
             raise self._wrong(entry, f"{_named(end)} is fed already, by {_named(self._into.flows[end][0])}")
-        self._count(len(self._into.flows) + 1, CONNECTIONS_MAX, "connections")
         self._into.flows[end] = (begin, factor, offset, entry.get("suppressUnitConversion") in ("true", "1"))
+        self._count(len(self._into.flows), CONNECTIONS_MAX, "connections")
 
     def _wrong(self, entry: Any, what: str) -> InputError:
         names = [

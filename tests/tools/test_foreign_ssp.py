@@ -6,6 +6,7 @@ import json
 import struct
 import zipfile
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 from lxml import etree
 
 import orchestration
-from orchestration import load
+from orchestration import InputError, load
 from orchestration.ssp import structure
 
 from ..orchestration import fmus
@@ -138,6 +139,17 @@ def test_the_archive_s_duration_goes_before_those_of_its_fmus(loop: Path) -> Non
     assert (scenario.duration, scenario.step) == (2.0, 0.1)
     foreign()
     assert load("foreign.ssp").duration == 9.0
+
+
+@pytest.mark.parametrize(("most", "refused"), [(3, True), (4, False)])
+def test_an_archive_has_as_many_connections_as_are_read(
+    loop: Path, monkeypatch: pytest.MonkeyPatch, most: int, refused: bool
+) -> None:
+    """Two between its systems, and two within one of them."""
+    monkeypatch.setattr(structure, "CONNECTIONS_MAX", most)
+    foreign(top=EXPERIMENT)
+    with pytest.raises(InputError, match="more than 3 connections") if refused else nullcontext():
+        load("foreign.ssp", {"step": 0.1})
 
 
 def test_a_prefix_stands_before_the_names_of_a_binding(loop: Path) -> None:

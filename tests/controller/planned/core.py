@@ -505,3 +505,11 @@ def commanded(**changes: Any) -> Array:
     p, u, (room, values) = filled(_BLOCK, "parameter", **changes), filled(_BLOCK, "input"), room_for(4)
     assert library().probe_commanded(byref(p), byref(u), room)
     return values()
+
+
+def foreseen(torque: Array) -> tuple[float, float]:
+    """How long after now, s, a search begins that is started in an acquisition, whose plan has these wheel torques in
+    turn, N m, a control period each; and how much more momentum the wheel has then, N m s."""
+    p, u, momentum, lib = filled(_BLOCK, "parameter"), filled(_BLOCK, "input"), c_double(), library()
+    lib.probe_foreseen.restype = c_double
+    return lib.probe_foreseen(byref(p), byref(u), len(torque), doubles(torque), byref(momentum)), momentum.value

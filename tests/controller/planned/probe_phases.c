@@ -96,3 +96,36 @@ PROBE int probe_commanded(const ControllerPlannedParameters *p, const Controller
     controller_planned_command(&law, &x, u, &x.estimate, controls, &y);
     return well;
 }
+
+/* The wheel's momentum at the instant of a search that begins during an acquisition, above that of now, N m s, on a plan
+ * of stages of a control period with these torques, N m. Returns the instant, s; negative where none begins. */
+PROBE double probe_foreseen(const ControllerPlannedParameters *p, const ControllerPlannedInputs *u, int n,
+                            const double *torque, double *momentum)
+{
+    static ControllerPlannedLaw law;
+    static ControllerPlannedState x;
+    Fault f;
+    if (!controller_planned_check(p, &f)) {
+        return -1.0;
+    }
+    controller_planned_prepare(p, &law);
+    if (!controller_planned_start(&law, u, &x, &f)) {
+        return -1.0;
+    }
+    x.phase = PHASE_ACQUISITION;
+    x.search.active = x.search.ready = x.challenged = x.provisional = false;
+    x.next_challenge = 0.0;
+    x.next_plan = INFINITY;
+    memset(&x.plan, 0, sizeof x.plan);
+    x.plan.start = x.t;
+    x.plan.stages = n;
+    for (int i = 0; i < n; ++i) {
+        x.plan.h[i] = p->control_period;
+        x.plan.u[i][3] = torque[i] / p->wheel_torque_max;
+    }
+    const Ahead ahead = controller_planned_ahead_of(&law, &x, u);
+    const Motion now = x.estimate;
+    controller_planned_decide(&law, &x, &ahead, &now, p->control_period, false);
+    *momentum = x.search.x.l - now.l;
+    return x.search.active ? x.search.t - x.t : -1.0;
+}

@@ -140,3 +140,11 @@ def test_a_hold_is_loaded_by_its_error_or_by_the_wheel_alone(degrees, h_w, loade
 def test_a_sample_gives_what_the_plan_has_in_its_middle():
     for period, middle in ((0.3, 0.1), (0.5, 0.2), (1.1, 0.5)):
         assert core.commanded(control_period=period) == pytest.approx([middle, 0.0, 0.0, 0.0]), period
+
+
+def test_a_search_begins_where_the_plan_that_is_flown_meanwhile_brings_the_wheel():
+    """Without friction the momentum is the sum of the torques over time, those after the search's begin left out."""
+    torque = np.append(2e-3 * np.array([1.0, 1, 1, 1, 1, -0.5, -0.5, 0.25, 0.25, 0, 0, 0.1, 0.1, 0.1, -0.3, 0.7]), 3e-3)
+    after, momentum = core.foreseen(torque)
+    assert after == pytest.approx(16 * 0.5)
+    assert momentum == pytest.approx(0.5 * torque[:16].sum(), rel=1e-9)

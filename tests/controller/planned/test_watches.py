@@ -181,6 +181,16 @@ def test_a_wheel_that_does_not_follow_small_torques_is_stuck_once_it_was_watched
     assert np.array_equal(found, stuck), "a change that no torque makes tells nothing"
 
 
+@pytest.mark.parametrize("begins", [2, 40])
+def test_noise_that_hides_a_single_change_of_torque_makes_no_stuck_wheel_however_early_it_came(begins):
+    """The wheel gives all of its torque, which in 200 s moves it by five deviations of its momentum's noise."""
+    torque = np.where(np.arange(400) < begins, 0.0, 5e-8)
+    for seed in range(30):
+        noise = 2e-6 * np.random.default_rng(seed).normal(size=401)
+        l = 0.01 + np.append(0.0, np.cumsum(0.5 * torque)) + noise  # noqa: E741
+        assert not core.wheel_failed(0.5, T, torque, l[:-1], l[1:])[1].any(), seed
+
+
 def test_friction_that_holds_a_wheel_is_learned_through_noise_each_time_and_none_of_one_that_moves():
     """It stands under 1e-4 N m for 200 s, is moved away and comes back, and stands again; its momentum has noise."""
     rng, n = np.random.default_rng(2), 1600

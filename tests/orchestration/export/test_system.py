@@ -136,6 +136,30 @@ def test_only_the_parameters_that_are_set_are_declared_as_inputs(loop):
     assert (other["inertia"].causality, other["cooled"].causality) == ("input", "input")
 
 
+@pytest.mark.parametrize("numbers", [True, False])
+def test_items_are_numbers_where_that_is_asked_and_stay_items_else(loop, numbers):
+    fmu = open_fmu(loop.with_name("motor.fmu"))
+    loop.with_name("other.fmu").write_bytes(with_inputs(fmu, frozenset({"inertia"}), numbers))
+    other = open_fmu(loop.with_name("other.fmu")).model.variables
+    assert fmu.model.variables["mode"].type == "enumeration"
+    changed = {name for name, variable in fmu.model.variables.items() if other[name].type != variable.type}
+    assert changed == ({"mode"} if numbers else set())
+
+
+@pytest.mark.parametrize(
+    ("more", "delays"),
+    [
+        ("", ["motor.voltage"]),
+        ("faults: [{cut: motor.voltage, at: 0.5 s}]\n", ["motor_changes.voltage_given"]),
+        ("faults: [{cut: regulator.speed, at: 0.5 s}]\n", ["motor.voltage"]),
+    ],
+)
+def test_what_a_later_block_gives_is_told_as_delayed_where_the_first_of_the_loop_takes_it(loop, more, delays):
+    text = loop.read_text().replace("record:", "delays: [motor.voltage]\nrecord:")
+    loop.write_text(text.replace("inertia: 0.5", "inertia: 0.5\n      voltage: 0.25") + more)
+    assert list(flat(orchestration.load(loop)).delays) == delays
+
+
 def test_a_law_in_python_is_refused_with_the_command_that_makes_an_fmu_of_it(loop):
     loop.with_name("law.py").write_text("def step(i, p, t, h):\n    return {}\n")
     text = loop.read_text("utf-8").replace("fmu: regulator.fmu", "python: law.py\n    interface: controller")

@@ -36,6 +36,13 @@ def test_rows_keep_their_own_instants_and_values_that_are_missing_are_nan(tmp_pa
     assert record.seen.gap == (4.3, 5)
 
 
+@pytest.mark.parametrize("name", ["w_valid", "w_sample", "age"])
+def test_a_port_with_the_name_of_one_that_a_record_has_already_is_refused(name):
+    columns = {name: COLUMNS["w"], **COLUMNS}
+    with pytest.raises(ValueError, match=f"found '{name}' twice"):
+        Telemetry.model_validate({"file": "log.csv", "time": {"column": "t", "scale": "elapsed"}, "columns": columns})
+
+
 @pytest.mark.parametrize("delimiter", [";", "\t"])
 def test_cells_may_be_parted_by_semicolons_or_tabs_and_lines_end_as_on_windows(tmp_path, delimiter):
     text = "\ufeff# made; elsewhere\r\nt,x,y\r\n0,1,2\r\n1,3,4\r\n".replace(",", delimiter)
