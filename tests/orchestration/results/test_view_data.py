@@ -51,7 +51,7 @@ def test_a_view_has_the_wheels_and_sensors_that_are_there():
 
 
 def test_a_body_may_be_as_long_and_wide_as_parameters_of_a_block_say():
-    assert flown(steps=1, view={"attitude": "a.q", "body": {"length": "a.k", "width": "a.k"}}).failure is None
+    assert flown(view={"attitude": "a.q", "body": {"length": "a.k", "width": "a.k"}}).failure is None
 
 
 def test_a_scenario_without_an_attitude_has_no_view():
