@@ -15,6 +15,7 @@ import numpy as np
 
 from orchestration import InputError
 from orchestration.quantities import QuantityError, parse_unit, value_in
+from orchestration.scenario.forms import matrix
 
 from .lasting import RADIAN
 from .template import Template, flow
@@ -100,12 +101,10 @@ def _length(dipole: Any) -> float:
 def _matrix(value: Any) -> Any:
     """Returns the inertia (3,3), kg m2, of what is given; None where the blocks will refuse it."""
     try:
-        if isinstance(value, dict):
-            return np.diag(np.array(value["diagonal"], float))
-        matrix = np.array(value, float)
-    except (KeyError, TypeError, ValueError):
+        rows = matrix(value) if isinstance(value, dict) else value
+        return np.array([[value_in(each, parse_unit("kg.m2")) for each in row] for row in rows]).reshape(3, 3)
+    except (QuantityError, TypeError, ValueError):
         return None
-    return matrix if matrix.shape == (3, 3) else None
 
 
 def prefixed(value: float, unit: str) -> str:
@@ -122,6 +121,8 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
     number = {n: found.number(n, v) for n, v in values.items() if v is not None and "unit" in found.values[n]}
     notes: dict[str, str] = {}
 
+    if isinstance(moments := given.get("inertia"), list) and len(moments) == 3 and not isinstance(moments[0], list):
+        values["inertia"] = {"diagonal": moments}
     if "inertia" not in given:
         sizes = number["body_width"], number["body_length"], str(values["body_axis"]), number.get("body_depth")
         moments = box(number["mass"], *sizes)

@@ -9,7 +9,7 @@ import yaml
 
 import orchestration
 from design import new_satellite, template
-from design.sheet import box, wheel_axes
+from design.sheet import box, followed, wheel_axes
 from orchestration.live.system import checked
 from orchestration.session.read import read
 from tests.commands import orchestrate
@@ -133,7 +133,7 @@ def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, m
     ("changes", "message"),
     [
         ({"dipole_max": "0.3 N.m"}, "--set dipole_max: the unit 'N.m' does not fit"),
-        ({"inertia": [1, 2, 3]}, "--set inertia: shared.J_B: expected 3 rows of 3 values, found a list of 3"),
+        ({"inertia": [1, 2]}, "--set inertia: shared.J_B: expected 3 rows of 3 values, found a list of 2"),
         ({"inertia": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "J_B: plant refuses it: expected"),
         ({"wheel_axis": [1, 1, 0]}, "wheel_axis: plant refuses it: expected"),
         ({"name": "../cube"}, "name: "),
@@ -189,6 +189,18 @@ def test_a_mass_in_the_place_of_inertia_is_that_of_a_homogeneous_box(tmp_path):
     assert J["diagonal"] == pytest.approx(
         [4 * (0.05**2 + 0.34**2) / 12, 4 * (0.1**2 + 0.34**2) / 12, 4 * 0.0125 / 12], rel=1e-4
     )
+
+
+@pytest.mark.parametrize(
+    "inertia",
+    [[0.042, 0.042, 0.007], ["420 kg.cm2", "0.042 kg.m2", 0.007], {"diagonal": ["0.042 kg.m2", 0.042, 0.007]}],
+)
+def test_moments_are_a_diagonal_with_or_without_units_and_the_assumed_error_follows(inertia):
+    given = GIVEN | {"inertia": inertia}
+    values, notes = followed(new_satellite.templates(), given)
+    assert values["inertia"]["diagonal"] == (inertia if isinstance(inertia, list) else inertia["diagonal"])
+    assert np.array(values["J_error_B"]) == pytest.approx(np.diag([0.0021, 0.0021, 0.00035]))
+    assert "a twentieth" in notes["J_error_B"]
 
 
 def test_values_stand_as_they_were_given_and_notes_say_what_follows(tmp_path):

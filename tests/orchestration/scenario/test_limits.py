@@ -10,6 +10,7 @@ import pytest
 
 from orchestration import InputError, load
 from orchestration.scenario import mapping
+from orchestration.scenario.text import parse
 
 ROOT = Path(__file__).parents[3]
 
@@ -103,3 +104,11 @@ def test_a_colon_within_text_is_told_with_the_remedy(tmp_path: Path) -> None:
     path = write(tmp_path / "a.yaml", "name: a\ndescription: what: it shows\n")
     with pytest.raises(InputError, match=r"a\.yaml:2: no valid YAML: .*; remedy: quote a text that holds a colon"):
         load(path)
+
+
+@pytest.mark.parametrize(
+    "text", ["name: a\nshared: {x: [1, 2] mm}\n", "name: a\nshared:\n  x: [1, 2] mm\n", "[1, 2] mm"]
+)
+def test_a_unit_after_a_list_is_told_with_the_remedy(text: str) -> None:
+    with pytest.raises(InputError, match=r"no valid YAML: .*; remedy: a unit stands at each number of a list"):
+        parse(text)
