@@ -168,9 +168,9 @@ def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
         since = np.degrees(one[judge][one.time >= at]).max()
         told = [number(float(value)) for value in (since, rms, error.max())]
         told.append(number(float(momentum)) if facts.wheels else "–")
-        rows.append(
-            [name, _found(facts, name, one, at), *told, f"lost: beyond {LOST:g} deg" if error.max() > LOST else ""]
-        )
+        remark = "beyond the goal" if error.max() > math.degrees(facts.goal) else ""
+        remark = f"lost: beyond {LOST:g} deg" if error.max() > LOST else remark
+        rows.append([name, _found(facts, name, one, at), *told, remark])
     columns = ["failure", "found after", "largest since, deg"]
     columns += ["rms, deg", "largest, deg", "wheel, mN.m.s", "remark"]
     note = (

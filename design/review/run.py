@@ -19,6 +19,7 @@ from .content import Review, Section
 from .facts import Facts, facts
 from .flights import fly
 from .flights import motion as flown_alone
+from .glance import glance
 from .options import Options, Tell
 from .power import power
 
@@ -99,7 +100,8 @@ def review(
         "wall time of this start": f"{perf_counter() - begun:.0f} s",
         "finished": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
     }
-    return Review(found.scenario.name, found.scenario.description, shown, sections, said)
+    first = glance(sections, said, math.degrees(found.goal))
+    return Review(found.scenario.name, found.scenario.description, shown, [first, *sections], said)
 
 
 class Timed:

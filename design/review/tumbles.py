@@ -132,6 +132,8 @@ def section(facts: Facts, options: Options, case: Case, rows: Rows) -> Section:
     settled = {level: numbers(rows, f"within_{level}_deg", last_moment(facts)) for level in LEVELS}
     shown = [("rate below " + RATE, numbers(rows, "detumbling_time", last_moment(facts)))]
     shown += [(f"error below {level} deg", values) for level, values in settled.items()]
+    if (goal := f"error below {math.degrees(facts.goal):g} deg") not in dict(shown):
+        shown.insert(1, (goal, numbers(rows, "settling_time", last_moment(facts))))
     table = [[name, *_times(values)] for name, values in shown]
     errors = [
         [name, *(number(v) for v in np.quantile(values[~np.isnan(values)], [0.5, 0.9, 1.0]))]

@@ -20,7 +20,16 @@ from orchestration.session.run import whole
 pytestmark = pytest.mark.fly
 
 SECTIONS = [
-    *("Satellite", "Disturbances", "Tumbles", "Pointing budget", "Agility", "Station tracking", "Single failures"),
+    *(
+        "At a glance",
+        "Satellite",
+        "Disturbances",
+        "Tumbles",
+        "Pointing budget",
+        "Agility",
+        "Station tracking",
+        "Single failures",
+    ),
     *("Stability margins", "Power", "Requirements", "What was not looked at"),
 ]
 ASKED = """
@@ -45,19 +54,19 @@ def test_a_review_has_all_sections_and_goes_on_where_it_was_stopped(satellite, t
     found = once()
     assert [section.heading for section in found.sections] == SECTIONS
     assert found.verdicts[2] == "not verifiable"
-    assert " 0 failed" in found.sections[2].notes[0], "a metric that has no value fails a tumble"
+    assert " 0 failed" in found.sections[3].notes[0], "a metric that has no value fails a tumble"
     assert told[-1][1] == told[-1][2]
     assert "flights" in said[0]
     found.save(tmp_path / "out")
     rows = list(csv.DictReader((tmp_path / "out" / "requirements.csv").open()))
     assert [row["id"] for row in rows] == ["R1", "R2", "R3"]
     assert "--replay" in rows[1]["worst case"]
-    motion = content.load(tmp_path / "out").sections[2].motion
+    motion = content.load(tmp_path / "out").sections[3].motion
     flown = whole(load(read(tmp_path / "out" / "flights" / "as-it-stands.yaml")))
     time = np.frombuffer(b64decode(motion["time"]["data"]), "<f4")
     assert time == pytest.approx(flown.time)
     both = compare.compared(found, found, ("one", "other"))
-    assert both.sections[2].motion["names"] == ["A: one", "B: other"]
+    assert both.sections[3].motion["names"] == ["A: one", "B: other"]
     text = page.page(found)
     assert text.count('class="view"') == page.page(both).count('class="view"') == 1
     assert all(f". {heading}</h2>" in text for heading in SECTIONS)
