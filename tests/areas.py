@@ -42,7 +42,7 @@ _C = (
     "tests/native/test_flavours.py",
     "tests/native/test_thresholds.py",
     "tests/native/test_history.py",
-    *(f"tests/native/test_history_{name}.py" for name in ("estimator", "laws")),
+    *(f"tests/native/test_history_{name}.py" for name in ("estimator", "laws", "supervisor")),
 )
 _PLANNER = "tests/controller/planned", "tests/native/test_planned.py"
 AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -61,13 +61,16 @@ AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "ssp": (("orchestration/ssp/*.py", "orchestration/export/*.py"),
             ("tests/orchestration/export", "tests/tools/test_ssp.py", "tests/tools/test_foreign_ssp.py",
              "tests/tools/test_rates.py")),
-    "allocator in C": (("allocator/**/native/*.c",), ("tests/allocator", *_C)),
+    "allocator in C": (
+        ("allocator/**/native/*.c",),
+        ("tests/allocator", *_C,
+         *(f"tests/native/test_allocator_{name}.py" for name in ("wheels", "failed_wheels", "telemetry")))),
     "controller in C": (("controller/native/*.c",), ("tests/controller", *_C)),
     "FMI shell in C": (
         ("fmus/native/shell/*.c",),
         tuple(f"tests/native/test_{name}.py" for name in ("calls", "values", "states", "memory", "sampling", "limits",
                                                           "refusals", "fmi3"))),
-    "estimator in C": (("estimator/native/*.c",), ("tests/estimator", *_C)),
+    "estimator in C": (("estimator/native/*.c",), ("tests/estimator", "tests/native/test_estimator_wheels.py", *_C)),
     "planner's watches in C": (
         ("controller/planned/native/estimate/*.c", "controller/planned/native/decide/*.c",
          "controller/planned/native/controller_planned.c",
@@ -138,6 +141,24 @@ class Change:
     words: str
     text: str
 
+    @property
+    def names(self) -> list[str]:
+        """As areas.toml has it: by the line, or by that and which of the lines alike it is."""
+        name, above = f"{self.file}: {self.words}", self.text.splitlines()[: self.line - 1]
+        return [name, f"{name} ({1 + sum(name.endswith(f': {line.strip()}') for line in above)})"]
+
+
+def equivalent(change: Change) -> str | None:
+    """Why no test can see it; None where one should."""
+    return next((EQUIVALENT[name] for name in change.names if name in EQUIVALENT), None)
+
+
+def change_of(root: Path, path: Path, number: int, begin: int, end: int, other: str) -> Change:
+    text = path.read_text("utf-8")
+    line = text.count("\n", 0, begin)
+    words = f"{text[begin:end]!r} -> {other!r}: {text.splitlines()[line].strip()}"
+    return Change(number, path.relative_to(root).as_posix(), line + 1, words, text[:begin] + other + text[end:])
+
 
 def drawn(root: Path, area: str, count: int, seed: int) -> Iterator[Change]:
     """Yields the changes that a seed draws in the code of an area, larger files more often."""
@@ -146,11 +167,7 @@ def drawn(root: Path, area: str, count: int, seed: int) -> Iterator[Change]:
     files = [path for path in files if any(changes(path))]
     for number in range(1, count + 1):
         path = draw.choices(files, [path.stat().st_size for path in files])[0]
-        begin, end, other = draw.choice(list(changes(path)))
-        text = path.read_text("utf-8")
-        line = text.count("\n", 0, begin)
-        words = f"{text[begin:end]!r} -> {other!r}: {text.splitlines()[line].strip()}"
-        yield Change(number, path.relative_to(root).as_posix(), line + 1, words, text[:begin] + other + text[end:])
+        yield change_of(root, path, number, *draw.choice(list(changes(path))))
 
 
 @click.command()
@@ -185,9 +202,8 @@ def _unseen(area: str, chosen: list[Change], share: float | None, folder: Path, 
     groups = [_timed(root, area, kind, share or 1.0) for kind in (_KINDS if share is None else _KINDS[:1])]
 
     def one(change: Change) -> str:
-        name = f"{change.file}: {change.words}"
         elsewhere = change.file.endswith("_windows.c") and sys.platform != "win32"
-        if reason := "not compiled on this machine" if elsewhere else EQUIVALENT.get(name):
+        if reason := "not compiled on this machine" if elsewhere else equivalent(change):
             end = f"equivalent, {reason}:"
         else:
             root = copies.get()

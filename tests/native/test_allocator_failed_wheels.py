@@ -23,18 +23,18 @@ def watched(
     seconds: int = 200,
     friction: float = 0.0,
     demand: float = 5e-4,
-    again: int | None = None,
+    turns: tuple[int, ...] = (),
     **parameters: Any,
 ) -> list[dict[str, Any]]:
     """Outputs of each second of a random demand, N m, whose wheels have momenta of 0.1 N m s; the second gives `gain`
-    of its command, less friction, and all of it from second `again` on."""
+    of its command, less friction, all of it from the first of `turns` on, s, `gain` from the next on, and so on."""
     rng, h, found = np.random.default_rng(5), np.zeros(4), []
     gains = np.array([1.0, gain, 1.0, 1.0])
     with running(BLOCK, **FOUR, b_B=[0.0, 0.0, 0.0], wheel_momentum_max=[0.1] * 4, **parameters) as it:
         for i in range(seconds):
             command = it.get("wheel_torque_cmd")
-            if i == again:
-                gains = np.ones(4)
+            if i in turns:
+                gains[1] = gain if gains[1] == 1.0 else 1.0
             h = h + gains * np.sign(command) * np.maximum(np.abs(command) - friction, 0.0)
             it.set("h_w", h)
             it.set("tau_cmd_B", rng.normal(scale=demand, size=3))
@@ -72,7 +72,7 @@ def test_a_reversed_wheel_is_found_by_its_trial_and_used_with_the_opposite_sign(
 
 
 def test_a_reversed_wheel_that_turns_round_again_is_used_by_its_new_sign() -> None:
-    y = watched(-1.0, 700, again=100)
+    y = watched(-1.0, 700, turns=(100,))
     assert y[99]["wheel_reversed"].tolist() == [0, 1, 0, 0]
     assert not y[-1]["wheel_reversed"].any()
     assert not y[-1]["wheel_failed"].any()
@@ -121,11 +121,19 @@ def test_a_failed_wheel_is_tried_by_a_probe_and_one_that_is_not_looked_for_is_no
     assert not any(each["wheel_failed"].any() for each in watched(0.0, find_failures=False))
 
 
-def test_a_wheel_that_works_again_is_used_after_its_probe() -> None:
-    y = watched(0.0, 3300, again=1000)
-    first = next(i for i, each in enumerate(y) if each["wheel_failed"][1])
-    assert y[first + 3001]["wheel_failed"][1]
-    assert not any(each["wheel_failed"].any() for each in y[first + 3006 :])
+@pytest.mark.thorough
+def test_a_wheel_that_works_again_is_used_after_its_probe_each_time() -> None:
+    """The probe is 3000 s after it was found. What a wheel gave before it failed is forgotten by half in 208 s."""
+    begins, end = (1000, 5500), 9600
+    y = watched(0.0, end, turns=(0, 1000, 2000, 5500, 6500))
+    failed = [bool(each["wheel_failed"][1]) for each in y]
+    for begin, until in zip(begins, (5500, end), strict=True):
+        first = failed.index(True, begin)
+        assert begin + 150 < first < begin + 400
+        assert all(failed[first : first + 3002])
+        assert not any(failed[first + 3006 : until])
+    assert not any(failed[:1000])
+    assert not any(each["wheel_failed"][i] for each in y for i in (0, 2, 3))
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

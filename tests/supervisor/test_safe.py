@@ -89,17 +89,6 @@ def test_the_axis_comes_to_the_sun_and_rests_where_it_is_not_seen() -> None:
     assert not body.fly(1, sun_B=np.zeros(3)).Omega_ref.any()
 
 
-def test_rates_are_damped_before_the_axis_is_turned_and_again_where_they_grow() -> None:
-    body = Body(Rotation.identity(), safe_pointing="field")
-    slow, fast = 0.29 / body.p.safe_time, 0.31 / body.p.safe_time
-    for rate, steps in ((fast, 20), (slow, 1)):
-        y = body.fly(steps, omega_B=np.array([0.0, 0.0, rate]))
-    assert y.Omega_ref.any()
-    assert body.fly(1, omega_B=np.array([0.0, 0.0, fast])).Omega_ref.any()
-    assert not body.fly(1, omega_B=np.array([0.0, 0.0, 1.01 * body.p.rate_acquire])).Omega_ref.any()
-    assert not Body(Rotation.identity(), [0.0, 0.0, fast], safe_pointing="field").fly(1).Omega_ref.any()
-
-
 def test_the_rate_that_is_asked_for_is_limited_and_has_an_axis_even_between_opposite_directions() -> None:
     x, y = np.eye(3)[:2]
     np.testing.assert_allclose(rate_towards(x, y, 100.0, 1.0), [0.0, 0.0, 0.5 * np.pi / 100.0])

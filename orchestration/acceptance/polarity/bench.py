@@ -102,9 +102,11 @@ class Bench:
         table, half = self._table(inputs), len(next(iter(inputs.values()))) // 2
         self._begun(table)
         self._stepped_on(table[:half], 1)
-        state = slave.save()
+        with TRACE.during(self.block, f"{self.model.prefix}GetFMU{slave.version.state}"):
+            state = slave.save()
         first = self._stepped_on(table, half)
-        slave.restore(state)
+        with TRACE.during(self.block, f"{self.model.prefix}SetFMU{slave.version.state}"):
+            slave.restore(state)
         second = self._stepped_on(table, half)
         return self._by_name(first), self._by_name(second)
 
@@ -202,5 +204,7 @@ class Bench:
 
     def _close(self) -> None:
         if self._slave is not None:
-            self._slave.close()
+            prefix = self.model.prefix
+            with TRACE.during(self.block, f"{prefix}Terminate or {prefix}FreeInstance"):
+                self._slave.close()
         self._slave = None

@@ -102,33 +102,41 @@ def test_what_breaks_a_host_is_told_by_its_trial(folder: Path, direct: str, tria
     assert text in one["text"]
 
 
-HANGS = "({ while (*(volatile double *)&(x)[2] %s) {} (x)[3]*(x)[2]; })"
+HANGS = "-DDIRECT(x)=({ while (*(volatile double *)&(x)[2] %s) {} (x)[3]*(x)[2]; })"
 
 
 @pytest.mark.parametrize(
-    ("input_", "name", "text"),
+    ("option", "name", "text"),
     [
         (
-            "> 1e4",
+            HANGS % "> 1e4",
             "an input that is 1e6 times as large does no harm",
             "did not return from fmi2Get at 0.9 s within 1 s",
         ),
-        ("< 1e4", "the loop flies with it", "return within 1 s (the block's 'timeout')"),
+        (HANGS % "< 1e4", "the loop flies with it", "return within 1 s (the block's 'timeout')"),
+        pytest.param(
+            "-DNO_END",
+            "an input that is zero does no harm",
+            "did not return from fmi2Terminate or fmi2FreeInstance within 1 s",
+            marks=pytest.mark.thorough,
+        ),
     ],
+    ids=["a large input", "every input", "its end"],
 )
 def test_a_call_that_hangs_ends_after_the_time_that_a_call_may_take_and_is_named(
-    folder: Path, input_: str, name: str, text: str
+    folder: Path, capfd: pytest.CaptureFixture[str], option: str, name: str, text: str
 ):
     scenario = Path("loop.yaml")
     words = scenario.read_text("utf-8").replace("isolation: none\n", "")
     scenario.write_text(words.replace("fmu: regulator.fmu", "fmu: regulator.fmu\n    timeout: 1 s"), "utf-8")
-    fmus.write(folder / "vendor.fmu", vendor.description(), fmus.library("probe", f"-DDIRECT(x)={HANGS % input_}"))
+    fmus.write(folder / "vendor.fmu", vendor.description(), fmus.library("probe", option))
     begun = monotonic()
     result, found = accept("--map", "mapping.yaml")
     assert monotonic() - begun < 55.0
     assert result.exit_code in (1, 3), result.output
     assert found[name]["status"] == "failed"
     assert text in found[name]["text"]
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_a_call_of_an_fmu_that_is_accepted_or_refused_may_take_ten_seconds_unless_the_scenario_says_otherwise(
