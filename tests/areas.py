@@ -39,7 +39,9 @@ import click
 from .mutants import ROOT, copy
 
 _C = (
+    "tests/native/test_direct.py",
     "tests/native/test_flavours.py",
+    "tests/native/test_flavours_refuse.py",
     "tests/native/test_thresholds.py",
     "tests/native/test_history.py",
     *(f"tests/native/test_history_{name}.py" for name in ("estimator", "laws", "supervisor")),

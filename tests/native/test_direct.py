@@ -13,7 +13,7 @@ from fmus.interface import ABSENT_MIN, Variable, load
 
 from .direct import Direct
 
-FLIGHT = ("controller", "controller_planned", "allocator", "allocator_bounded", "estimator")
+FLIGHT = ("controller", "controller_planned", "allocator", "allocator_bounded", "estimator", "supervisor")
 CHECKED = (*FLIGHT, "plant_sensors", "plant_judge")
 WITH_ATTITUDE = ("controller", "controller_planned", "plant_judge")
 ZEROS = np.zeros((3, 3))
@@ -68,7 +68,11 @@ def test_a_number_of_a_choice_or_a_count_beyond_its_range_is_refused_by_its_name
             assert direct.check(**{v.name: number}) == v.name
 
 
-CALLS = [(block, call) for block in FLIGHT for call in ("start", "outputs", "step")]
+CALLS = [
+    (block, call)
+    for block in (*FLIGHT, "allocator_bounded_wheels", "estimator_wheels")
+    for call in ("start", "outputs", "step")
+]
 """The judge looks at no input before the first outputs."""
 
 
