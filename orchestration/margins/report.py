@@ -145,7 +145,7 @@ def _at(c: Crossing, value: float, unit: str) -> str:
 def _disk(c: Crossing) -> tuple[str, str, str]:
     sure = disk(c.value)
     high = f"{20 * math.log10(sure.high):.3g} dB" if math.isfinite(sure.high) else "any"
-    return f"{c.value:.4g} at {c.omega:.3g} rad/s", f"+-{high}", f"+-{math.degrees(sure.phase):.3g} deg"
+    return f"{c.value:.4g} at {c.omega:.3g} rad/s", f"±{high}", f"±{math.degrees(sure.phase):.3g} deg"
 
 
 def _pairs(m: Margins) -> dict[str, Any]:

@@ -172,9 +172,9 @@ class Slope:
     def line(self, name: str, what: str) -> str:
         """Returns what is told of it."""
         if math.isnan(self.value):
-            return f"{name} +- 1 %: no number, since the changed loop has none"
+            return f"{name} ± 1 %: no number, since the changed loop has none"
         factor, more = math.exp(0.01 * self.value), 0.005 * self.apart
-        return f"{name} + 1 %: {what} times {factor:.5g} +- {factor * more:.2g}"
+        return f"{name} + 1 %: {what} times {factor:.5g} ± {factor * more:.2g}"
 
 
 def _applied(rig: Rig, change: Change, value: float) -> tuple[Altered, Starts]:
