@@ -58,7 +58,7 @@ class Law:
 
 @dataclass
 class Demand:
-    """What the law makes of the states of many cases."""
+    """Demands of the law in the states of many cases."""
 
     zeta: Array
     """|zeta|, rad."""

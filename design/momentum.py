@@ -50,7 +50,7 @@ PERIHELION = 0.983
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How far from the desired motion the end may be: attitude, rad, and rate, rad/s."""
+    """Largest errors at the end: attitude, rad, and rate, rad/s."""
 
     attitude: float = math.radians(2.0)
     rate: float = 1e-3
@@ -58,7 +58,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What holds for one time T."""
+    """Result of the balance for one time T."""
 
     time: float
     gap: float

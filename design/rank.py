@@ -40,7 +40,7 @@ OWN = "the scenario's own"
 
 @dataclass(frozen=True)
 class Row:
-    """What a law did over all tumbles, in degrees, seconds and N m s."""
+    """Results of a law over all tumbles, in degrees, seconds and N m s."""
 
     law: str
     settled: int
@@ -96,7 +96,7 @@ def ranked(laws: Mapping[str, Source], starts: Sequence[Mapping[str, Any]], belo
 
 
 def for_good(time: np.ndarray, error: np.ndarray, below: float) -> Settling:
-    """How an error (n,) settles; one that was at or above `below` in the last sixth of the flight does not."""
+    """Returns how an error (n,) settles; one that was at or above `below` in the last sixth of the flight does not."""
     one = settling(time, error, below)
     late = one.time is not None and one.time > (1.0 - LASTING) * time[-1]
     return Settling(below, None, math.nan, math.nan) if late else one

@@ -102,7 +102,7 @@ class Template:
 
 
 def _is_bare(value: Any) -> bool:
-    """Whether a value is a number other than zero without a unit."""
+    """Returns whether a value is a number other than zero without a unit."""
     try:
         return bool(float(value))
     except (TypeError, ValueError):
@@ -119,7 +119,7 @@ def _instead(entry: Mapping[str, Any]) -> list[str]:
 
 
 def _has(given: Mapping[str, Any], other: str) -> bool:
-    """Whether `name` or `name=value` is given."""
+    """Returns whether `name` or `name=value` is given."""
     name, _, value = other.partition("=")
     return name in given and (not value or given[name] == value)
 

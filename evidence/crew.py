@@ -30,7 +30,9 @@ def case(campaign: Mapping[str, Any], folder: Path) -> Case:
 
 
 def folder_of(wanted: Case, results: Path) -> Path:
-    """Where the runs of a campaign stand: named by all that decides them, so what other FMUs flew is never mixed in."""
+    """Returns where the runs of a campaign stand: named by all that decides them, so what other FMUs flew is never
+    mixed in.
+    """
     return results / f"{wanted.campaign.name}-{wanted.fingerprint[:8]}"
 
 

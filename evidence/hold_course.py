@@ -79,12 +79,12 @@ class Course:
         return cls(times, b, c, v, density, np.array(lvlh[0].Omega_d))
 
     def mean(self, values: Array) -> Array:
-        """Of values at ends and middles (2n+1,), over each interval (n,), by Simpson's rule."""
+        """Returns means over each interval (n,) of values at ends and middles (2n+1,), by Simpson's rule."""
         return np.asarray(values[:-1:2] + 4.0 * values[1::2] + values[2::2]) / 6.0
 
 
 def second(angle: float) -> float:
-    """Of Q S Q^T - S - [theta, S], over the norm of S: an upper bound."""
+    """Returns an upper bound of Q S Q^T - S - [theta, S], over the norm of S."""
     return 2.0 * angle**2 * math.exp(2.0 * angle)
 
 

@@ -39,7 +39,7 @@ def degrees(value: float) -> str:
 
 
 def finite(values: Array) -> str:
-    """How many of the values are finite: `46 of 50`."""
+    """Returns how many of the values are finite: `46 of 50`."""
     return f"{int(np.isfinite(values).sum())} of {len(values)}"
 
 

@@ -62,7 +62,7 @@ def files_of(folder: Path) -> list[Path]:
 
 
 def is_block(names: Collection[str]) -> bool:
-    """Whether these are in the folder of a block."""
+    """Returns whether these are in the folder of a block."""
     return "native" in names or "block.py" in names
 
 

@@ -137,7 +137,7 @@ def ensure_all(names: Iterable[str], here: bool = False) -> None:
 
 
 def is_current(path: Path, block: str | Block, flavour: str) -> bool:
-    """Whether a file is the FMU of a block's sources as they are now. Without a file it is not."""
+    """Returns whether a file is the FMU of a block's sources as they are now. Without a file it is not."""
     chosen = Block.named(block) if isinstance(block, str) else block
     return _stamp(path) == fingerprint(chosen, flavour).encode()
 

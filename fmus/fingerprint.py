@@ -80,7 +80,7 @@ _states: dict[object, tuple[object, str]] = {}
 
 
 def _makes(folder: str, flavour: str) -> bool:
-    """Whether FMUs of this flavour are made by what stands in a folder of this package."""
+    """Returns whether FMUs of this flavour are made by what stands in a folder of this package."""
     return folder[len(str(_HERE)) + 1 :].partition(os.sep)[0] in (*_ALWAYS, "interfaces", flavour)
 
 

@@ -57,7 +57,7 @@ SOURCE = (
 
 
 def cites(text: str) -> bool:
-    """Whether a text cites equations by their numbers in brackets; `omega_B[1]` is none."""
+    """Returns whether a text cites equations by their numbers in brackets; `omega_B[1]` is none."""
     return re.search(r"(?<![\w\]])\[\d+\]", text) is not None
 
 

@@ -65,7 +65,7 @@ def seen(
 
 @cache
 def code(*folders: Path) -> list[tuple[str, int, int]]:
-    """Of the files in these folders, whose code makes what is kept: what `seen` says at the first call."""
+    """Returns what `seen` says at the first call of the files in these folders, whose code makes what is kept."""
     return [file for folder in folders for file in seen(folder)]
 
 

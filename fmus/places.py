@@ -18,7 +18,7 @@ READY = Path(__file__).parent / "ready"
 
 
 def installed() -> bool:
-    """Whether this is an installed wheel, with no sources beside the packages and no folder to build into."""
+    """Returns whether this is an installed wheel, with no sources beside the packages and no folder to build into."""
     return READY.is_dir()
 
 
@@ -34,7 +34,7 @@ def ready(name: str) -> Path | None:
 
 
 def work() -> Path:
-    """Where to build what is missing: out/ in the repository, or the user's cache."""
+    """Returns where to build what is missing: out/ in the repository, or the user's cache."""
     if not installed():
         return PACKAGES / "out"
     # Here, since it takes 10 ms and only a build from a wheel needs it.

@@ -37,7 +37,7 @@ class Unit:
     offset: float = 0.0
 
     def fits(self, other: Unit) -> bool:
-        """Whether values convert into the other unit. A unit of which only the name is known fits units of that
+        """Returns whether values convert into the other unit. A unit of which only the name is known fits units of that
         name."""
         if self.exponents is None or other.exponents is None:
             return self.name == other.name
@@ -81,8 +81,9 @@ _TOKEN = re.compile(
 
 
 def _is_written_as_usual(text: str) -> bool:
-    """Whether it holds names, products, quotients and exponents only. Pint would also compute 9**9**9**9, without
-    end."""
+    """Returns whether it holds names, products, quotients and exponents only. Pint would also compute 9**9**9**9,
+    without end.
+    """
     position, powers = 0, 0
     while match := _TOKEN.match(text, position):
         position = match.end()
@@ -127,7 +128,7 @@ def parse_unit(text: str) -> Unit:
 
 
 def display_factor(unit: Unit, display: Unit) -> float:
-    """How many of the display unit make one of the unit: 57.29... for rad shown in deg. Raises QuantityError."""
+    """Returns how many display units make one unit: 57.29... for rad shown in deg. Raises QuantityError."""
     if unit.exponents is None or unit.exponents != display.exponents:
         raise QuantityError(f"{str(unit)!r} cannot be shown in {str(display)!r}: their base units differ")
     return float(_decimal(unit.factor) / _decimal(display.factor))

@@ -84,7 +84,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Cycle:
-    """How long one of what a scenario counts lasts, such as an orbit of the plant."""
+    """Duration of one of what a scenario counts, such as an orbit of the plant."""
 
     by: str
     """The parameter, an enumeration, whose item says which expression holds."""

@@ -83,7 +83,7 @@ def _written(target: Path, write: Callable[[Path], object]) -> list[Path]:
 
 @dataclass(frozen=True)
 class Difference:
-    """How far the attitude of a run is from that of an ephemeris, over the instants of the run within it."""
+    """Difference of the attitude of a run from that of an ephemeris, over the instants of the run within it."""
 
     instants: int
     largest: float

@@ -21,7 +21,7 @@ _ELEMENT = re.compile(r"(.*?)((?:\[\d+\])+)$")
 
 @dataclass(frozen=True)
 class Recorded:
-    """What was recorded in a run, by `block.variable` as in `Result`."""
+    """Record of a run, by `block.variable` as in `Result`."""
 
     name: str
     """Of the scenario."""

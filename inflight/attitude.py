@@ -59,7 +59,7 @@ AS_A_START = np.pi / TURNS
 
 @dataclass(frozen=True)
 class Attitudes:
-    """What the bank gave."""
+    """Results of the bank."""
 
     R: Floats
     """(n,3,3) N from B, of the filter that was the most likely at that row"""
@@ -90,7 +90,9 @@ class Attitudes:
         return np.asarray(np.logical_and.accumulate(good[::-1])[::-1])
 
     def verdict(self) -> str:
-        """What a user has to know: whether the attitude became unique, and when, or why it is no attitude to trust."""
+        """Returns what a user has to know: whether the attitude became unique, and when, or why it is no attitude to
+        trust.
+        """
         unique = self.unique
         if self.strain > STRAIN_MAX:
             return f"doubtful: the gyro's errors would be {self.strain:.0f} times what was known before"

@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Spin:
-    """What a spin shows of a gyro."""
+    """Parameters of a gyro that a spin shows."""
 
     axis: Floats
     """(3,) of the mean measured rate"""
@@ -75,7 +75,7 @@ class Spin:
 
 
 def spin(flight: Flight, found: Attitudes) -> Spin:
-    """What the end of a flight through the bank says of the gyro."""
+    """Returns what the end of a flight through the bank says of the gyro."""
     mean = flight.omega.mean(axis=0)
     size = float(np.linalg.norm(mean))
     axis = mean / size

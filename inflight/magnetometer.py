@@ -41,7 +41,7 @@ _UPPER = np.triu_indices(3)
 
 @dataclass(frozen=True)
 class Calibration:
-    """What a record gave."""
+    """Calibration from a record."""
 
     A: Floats
     """(3,3)"""
@@ -70,7 +70,7 @@ class Calibration:
         return np.asarray(((H @ self.gain)[:, None] * m - self.bias - H @ self.drift) @ self.A.T)
 
     def verdict(self) -> dict[str, str]:
-        """What the record shows of each parameter."""
+        """Returns what the record shows of each parameter."""
         share = self.sigma[:9] / PRIOR
         return {
             n: "shown" if s < SHOWN else "weak" if s < 0.7 else "not shown" for n, s in zip(NAMES, share, strict=True)
@@ -187,7 +187,8 @@ def _residual(x: Floats, m: Floats, size: Floats, H: Floats) -> tuple[Floats, Fl
 
 
 def _smooth(knots: int, steps: Floats, unit: float, tied: bool) -> Floats:
-    """What is known before of the changes of gain and drift from knot to knot, and of their means, as normal equations.
+    """Returns what is known before of the changes of gain and drift from knot to knot, and of their means, as normal
+    equations.
 
     `tied`: the mean of the gain is known.
     """

@@ -46,7 +46,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Inertia:
-    """What free motion showed: J = turn diag(i1, 1, i3) turn^T up to a factor."""
+    """Inertia from free motion: J = turn diag(i1, 1, i3) turn^T up to a factor."""
 
     p: Floats
     """(8,): log i1, log i3, turn, rad, bias, rad/s"""
@@ -138,7 +138,7 @@ def identify(motions: Sequence[Motion], first: Inertia | None = None, rounds: in
 
 
 def left_out(motions: Sequence[Motion], whole: Inertia, i: int) -> Inertia:
-    """What all records but that of number i show; `whole` is what all show, where the fit begins."""
+    """Returns what all records but that of number i show; `whole` is what all show, where the fit begins."""
     rest = [motion for k, motion in enumerate(motions) if k != i]
     return identify(rest, replace(whole, starts=np.delete(whole.starts, i, 0)), 3)
 
@@ -156,7 +156,7 @@ def starting(motion: Motion, known: Inertia) -> Floats:
 
 
 def predicted(motion: Motion, p: Floats, start: Floats) -> Floats:
-    """What a gyro of this bias measures at a record's instants (n,3)."""
+    """Returns what a gyro of this bias measures at a record's instants (n,3)."""
     return _integrated(motion.t, p[None], start[None])[0]
 
 

@@ -40,7 +40,7 @@ FIELD_STEP = 10.0
 
 @dataclass(frozen=True)
 class Orbit:
-    """Where a satellite was, at some instants."""
+    """Positions of a satellite at some instants."""
 
     epoch: datetime
     """UTC of t = 0."""
@@ -135,8 +135,9 @@ def ephemeris(path: Path, start: str, t: Floats) -> Ephemeris:
 
 
 def _wrong(line: str, begins: str) -> str:
-    """Why a line is none of an element set that begins with a line's number and the satellite's; nothing where it
-    is."""
+    """Returns why a line is none of an element set that begins with a line's number and the satellite's; nothing where
+    it is.
+    """
     if len(line) != 69:
         return f"expected a line of 69 characters of an element set, found {len(line)}"
     if not line.startswith(begins):

@@ -29,7 +29,7 @@ PORTS = {"omega_B_measured": "rad/s", "b_B_measured": "T", "sun_currents": "1"}
 
 
 class Elements(Model):
-    """Where the position comes from."""
+    """Source of the position."""
 
     tle: Annotated[str, Field(strict=True, min_length=1)]
     """A file of two-line element sets; of several the nearest counts."""

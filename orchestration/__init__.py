@@ -77,5 +77,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """What a user calls; the modules of the package are found by their own names."""
+    """Returns a name that a user calls; the modules of the package are found by their own names."""
     return __all__

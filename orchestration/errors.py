@@ -21,7 +21,7 @@ Kind = Literal["", "damaged", "not valid"]
 
 @dataclass(frozen=True)
 class Place:
-    """Where something stands: in a file or an option of the command line, in which line, and under which name there."""
+    """Place of something: in a file or an option of the command line, in which line, and under which name there."""
 
     source: str | None = None
     line: int | None = None
@@ -33,7 +33,7 @@ class Place:
 
 
 class Fields(TypedDict, total=False):
-    """What may be said of an error beside its text."""
+    """Fields of an error beside its text."""
 
     expected: str
     found: str
@@ -221,7 +221,9 @@ def suggestion(match: str | None) -> str:
 
 
 def hint(name: str, names: Iterable[str]) -> str:
-    """What ends a message about an unknown name: the match among the names, or else the names where they are few."""
+    """Returns what ends a message about an unknown name: the match among the names, or else the names where they are
+    few.
+    """
     names = list(names)
     few = f"; there {'is only' if len(names) == 1 else 'are'} {', '.join(names)}" if 0 < len(names) <= 8 else ""
     return suggestion(nearest(name, names)) or few

@@ -34,7 +34,7 @@ def latest() -> list[int]:
 
 
 def is_asked(error: BaseException) -> bool:
-    """Whether a signal may have raised this, and not the code of others that ran."""
+    """Returns whether a signal may have raised this, and not the code of others that ran."""
     if not isinstance(error, KeyboardInterrupt):
         return False
     plain = signal.getsignal(signal.SIGINT) is signal.default_int_handler

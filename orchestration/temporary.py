@@ -98,7 +98,7 @@ def _delete(folder: Path) -> None:
 
 
 def _is_left(folder: Path) -> bool:
-    """Whether its lock is free. Raises OSError where it has none, or another process holds it."""
+    """Returns whether its lock is free. Raises OSError where it has none, or another process holds it."""
     lock = os.open(folder / _LOCK, os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -78,7 +78,8 @@ def building() -> list[str]:
 
 
 def hashed() -> str:
-    """What a build of the wheel installs, in the versions of constraints.txt, with the SHA-256 of all their files.
+    """Returns what a build of the wheel installs, in the versions of constraints.txt, with the SHA-256 of all their
+    files.
 
     Asks the package index, by uv. Raises CalledProcessError.
     """

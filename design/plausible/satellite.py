@@ -161,7 +161,7 @@ def satellite(scenario: Scenario, mass: float | None = None) -> Satellite:
 
 
 def _given(scenario: Scenario, block: str, port: str) -> bool:
-    """Whether an input is connected, and no fault cuts or freezes what it is given."""
+    """Returns whether an input is connected, and no fault cuts or freezes what it is given."""
     sources = [c.source for c in scenario.connections if (c.target.block, c.target.variable) == (block, port)]
     away = [fault.cut or fault.freeze for fault in scenario.faults]
     lost = {(name.block, name.variable) for name in away if name is not None}

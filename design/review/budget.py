@@ -27,7 +27,7 @@ INDICES = ("absolute", "mean", "relative", "drift")
 
 
 class Statistics(NamedTuple):
-    """Of the size of an error, rad."""
+    """Statistics of the size of an error, rad."""
 
     ensemble: float
     temporal: float

@@ -54,7 +54,7 @@ class Asked:
 
     @property
     def wrong(self) -> str:
-        """Why it cannot be verified, or ""."""
+        """Reason for which it cannot be verified, or ""."""
         if self.metric not in METRICS:
             return f"there is no metric {self.metric!r}{hint(self.metric, METRICS)}"
         return ""

@@ -77,7 +77,9 @@ def contributors(facts: Facts) -> list[str]:
 
 
 def aboard(facts: Facts, name: str) -> bool:
-    """Whether the satellite has what a contributor is of; a star tracker that gives no attitude at any rate is none."""
+    """Returns whether the satellite has what a contributor is of; a star tracker that gives no attitude at any rate is
+    none.
+    """
     sensors = "plant_sensors"
     if CONTRIBUTORS[name][0] == sensors and sensors not in facts.blocks:
         return False

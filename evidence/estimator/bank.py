@@ -58,7 +58,7 @@ def table(runs: int, jobs: int) -> Table:
 
 
 def cells(numbers: Callable[[str], NDArray[np.float64]], settled: str) -> list[str]:
-    """How many settle, when, the hold, the estimate."""
+    """Returns how many settle, when, the hold, the estimate."""
     times = numbers(settled)
     there = np.isfinite(times)
     parts: list[Any] = [times[there], numbers("hold_rms"), numbers("estimate_rms")]

@@ -90,7 +90,7 @@ def errors(result: Result, bias: Array) -> Array:
 
 
 def measured(item: tuple[int, bool]) -> dict[str, Array]:
-    """Of a run at its recorded times: NEES (n,), nis (n, 3), attitude error, rad, and sunlight (n,)."""
+    """Returns for a run at its recorded times NEES (n,), nis (n, 3), attitude error, rad, and sunlight (n,)."""
     data = tumble(*item)
     result = run(data)
     e = errors(result, np.array(data["blocks"]["sensors"]["start"]["rate_bias_B"]))
@@ -105,7 +105,7 @@ def measured(item: tuple[int, bool]) -> dict[str, Array]:
 
 
 def bounds(freedom: int, runs: int) -> tuple[float, float]:
-    """Of the mean over so many runs of a chi-square number: the middle 95%."""
+    """Returns the middle 95% of the mean over so many runs of a chi-square number."""
     low, high = chi2.ppf((0.025, 0.975), freedom * runs) / runs
     return float(low), float(high)
 

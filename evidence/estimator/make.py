@@ -49,7 +49,7 @@ def _consistency(runs: list[dict[str, Array]], tracker: bool) -> Table:
 
 
 def _starts(runs: list[dict[str, Array]]) -> Table:
-    """How far the attitude is off at times after the start, at the median and at worst."""
+    """Returns how far the attitude is off at times after the start, at the median and at worst."""
     table = _table("from any attitude", "s", "in light: median, worst, deg", "in eclipse: median, worst, deg")
     lit = np.array([r["sunlight"][0] >= 1.0 for r in runs])
     angles = np.degrees([r["angle"] for r in runs])

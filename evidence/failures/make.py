@@ -34,7 +34,7 @@ def make(cases: int, tables: Collection[str], jobs: int) -> Path:
 
 
 def flown(row: Row) -> Rows | None:
-    """What these FMUs have flown so far; None where they have not begun."""
+    """Returns what these FMUs have flown so far; None where they have not begun."""
     return runs_of(row.case(PART), RESULTS)
 
 

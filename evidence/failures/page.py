@@ -69,7 +69,7 @@ def _column(flights: Sequence[Flight], name: str) -> Array:
 
 
 def _found(times: Array) -> str:
-    """How many, the median and the worst of those, s."""
+    """Returns how many, the median and the worst of those, s."""
     known = times[np.isfinite(times)]
     return ", ".join([finite(times), *(f"{which(known):.0f} s" for which in (np.median, np.max) if len(known))])
 
@@ -98,7 +98,7 @@ def _is_soon(flights: Sequence[Flight]) -> bool:
 
 
 def _soon(rows: Sequence[tuple[Row, list[Flight]]]) -> dict[str, str]:
-    """What the sentence says of these rows."""
+    """Returns what the sentence says of these rows."""
     flights = [f for _, them in rows for f in them]
     return {
         "latest": f"{max(f.found_s for f in flights):.0f} s",

@@ -49,7 +49,7 @@ class Row:
 
     @property
     def at(self) -> float:
-        """When it fails, s."""
+        """Time of the failure, s."""
         return float(self.faults[0]["at"])
 
     @property
@@ -64,7 +64,7 @@ class Row:
 
     @property
     def end(self) -> float:
-        """When the flight ends, s: three orbits after the failure, or more."""
+        """End of the flight, s: three orbits after the failure, or more."""
         return self.at + (classes.DURATION if self.satellite else LONG)
 
     @property

@@ -18,7 +18,7 @@ from .schemes import Data, change
 
 
 def starts(group: Group) -> list[Data]:
-    """What the bound needs of each flight: the plant with its start values, and what the blocks share."""
+    """Returns what the bound needs of each flight: the plant with its start values, and what the blocks share."""
     found = []
     for values in group.drawn():
         data = {"blocks": {"plant": dict(group.scenario["blocks"]["plant"])}, "shared": group.scenario["shared"]}

@@ -80,7 +80,7 @@ def drawn(case: Case, runs: int) -> list[Data]:
 
 
 def metrics(duration: float, early: float, scenario: Data, settled_rate: float = RATE) -> list[Data]:
-    """What each flight is measured by, all of the plant's truth; a flight is settled from when both errors are."""
+    """Returns the measures of each flight, all of the plant's truth; it is settled from when both errors are."""
     angle = {"signal": "judge.attitude_error"}
     rate = {"signal": "judge.rate_error_B", "measure": "norm"}
     slow = {"settles": {"below": f"{settled_rate} rad/s"}}
@@ -158,7 +158,7 @@ TRIES = 50
 
 
 def share(n: int, full: int) -> int:
-    """How many of a set that has `full` with 1000 random tumbles, with n of them."""
+    """Returns how many of a set that has `full` with 1000 random tumbles, with n of them."""
     return min(n, max(2, full * n // 1000))
 
 

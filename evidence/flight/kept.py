@@ -38,7 +38,7 @@ class Flights:
         return np.array([float(line[name] or empty) for line in self.of(group)])
 
     def times(self, group: str, degrees: int = 5) -> Array:
-        """When they settled, orbits; infinite where they did not."""
+        """Returns when they settled, orbits; infinite where they did not."""
         return self.column(group, f"settled_{degrees}deg_s", math.inf) / ORBIT
 
     def least(self, group: str) -> Array:
@@ -46,11 +46,11 @@ class Flights:
         return self.column(group, "momentum_bound_s") / ORBIT
 
     def lost(self, group: str) -> Array:
-        """Which were settled below 5 deg at EARLY and lost it again (n,)."""
+        """Returns which were settled below 5 deg at EARLY and lost it again (n,)."""
         return np.isfinite(self.column(group, "early_5deg_s")) & ~np.isfinite(self.times(group))
 
     def told(self, group: str) -> Array:
-        """When the planned controller first said that a part had failed, s, in those flights where it did."""
+        """Returns when the planned controller first said that a part had failed, s, in those flights where it did."""
         return self.column(group, "told_s")[[bool(line["told"]) for line in self.of(group)]]
 
     def hold_errors(self, group: str) -> Array:
@@ -129,7 +129,7 @@ def remark(group: Group, m: Mapping[str, float]) -> str:
 
 
 def quantile(times: Array, q: float) -> float:
-    """Of all cases, those that never settle counted as later than all others."""
+    """Returns a quantile of all cases, those that never settle counted as later than all others."""
     return float(np.sort(times)[max(0, math.ceil(q * len(times)) - 1)])
 
 

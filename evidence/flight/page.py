@@ -130,7 +130,7 @@ def _holds(flights: Flights) -> dict[str, str]:
 
 
 def _failure_rate(flights: Flights, group: str) -> str:
-    """What the counts say of the failure rate, by the exact binomial bound."""
+    """Returns what the counts say of the failure rate, by the exact binomial bound."""
     n = len(flights.of(group))
     k = n - int(np.isfinite(flights.times(group)).sum())
     rate = 100.0 * float(beta.ppf(0.95, k + 1, n - k))

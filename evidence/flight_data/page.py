@@ -39,7 +39,7 @@ def figure(done: Study) -> Any:
 
 
 def fields(done: Study) -> dict[str, Any]:
-    """What the template takes."""
+    """Returns what the template takes."""
     records = [
         [s.flight.name, str(len(s.flight.t)), f"{1e6 * s.constant:.2f}", f"{1e6 * s.calibration.rms:.2f}"]
         for s in done.shown

@@ -28,7 +28,7 @@ CUTS = {
 
 
 def cut(item: tuple[Flight, str]) -> Shown:
-    """What one of the CUTS of a record shows."""
+    """Returns what one of the CUTS of a record shows."""
     flight, name = item
     begin, end = CUTS[name]
     first, length = flight.t[0], float(np.ptp(flight.t))

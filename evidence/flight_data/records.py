@@ -38,7 +38,7 @@ _PUBLIC = {
 
 
 class Layout(Model):
-    """What the columns of a folder's files are, in its file `columns.yaml`; by default those of the public data."""
+    """Columns of a folder's files, from its file `columns.yaml`; by default those of the public data."""
 
     time: TimeColumn = TimeColumn(column="unix_s", scale="UTC", epoch="1970-01-01T00:00:00.5")
     """A clock that counts whole seconds is half a second late on average."""

@@ -89,7 +89,7 @@ def scenario(number: int, faces: int, seconds: float = SECONDS) -> dict[str, Any
 
 
 class Case(NamedTuple):
-    """What became of a spin at its end."""
+    """State of a spin at its end."""
 
     off: float
     """rad, NaN where no attitude was given"""
@@ -112,7 +112,9 @@ def _ended(result: Result, block: str, nis: float) -> Case:
 
 
 def counted(cases: Sequence[Case]) -> dict[str, int]:
-    """How many ended right and valid, right or without attitude and not valid, wrong and not valid, wrong and valid."""
+    """Returns how many ended right and valid, right or without attitude and not valid, wrong and not valid, wrong and
+    valid.
+    """
     wrong = [c.off > WRONG for c in cases]  # NaN is not
     return {
         "right, trusted": sum(c.trusted and not w for c, w in zip(cases, wrong, strict=True)),

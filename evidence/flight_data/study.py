@@ -93,7 +93,9 @@ def pair(flight: Flight, found: Attitudes) -> Sky | None:
 
 
 def silent(found: Attitudes, *seen: Sky | None) -> bool:
-    """Whether an attitude is trusted from which the Sun sensors are far: a false convergence that was not reported."""
+    """Returns whether an attitude is trusted from which the Sun sensors are far: a false convergence that was not
+    reported.
+    """
     return found.trusted and max((each.rms for each in seen if each is not None), default=0.0) > FALSE
 
 
@@ -163,7 +165,7 @@ def _shift(t: Floats, light: Floats, currents: Floats, faces: list[Floats], at: 
 
 @dataclass(frozen=True)
 class Shown:
-    """What a long record shows."""
+    """Results of a long record."""
 
     flight: Flight
     """With its rates by parabolas"""

@@ -16,7 +16,7 @@ from .whole import Study
 
 
 def of_spins(done: dict[str, list[spins.Case]]) -> list[str]:
-    """What became of them, a line each."""
+    """Returns what became of them, a line each."""
     out = []
     for name, cases in done.items():
         counts = ", ".join(f"{n} {what}" for what, n in spins.counted(cases).items())
@@ -75,7 +75,7 @@ def _of_record(s: Shown) -> list[str]:
 
 
 def of_known(found: Sequence[list[tuple[float, float]]]) -> list[str]:
-    """What was trusted of the spins with known answers, and how far it was off."""
+    """Returns what was trusted of the spins with known answers, and how far it was off."""
     out = []
     for what, each in zip(("rates as measured", "rates by parabolas"), np.array(found).transpose(1, 2, 0), strict=True):
         trusted = np.isfinite(each[0])

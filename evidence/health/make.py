@@ -35,7 +35,7 @@ def make(flights: int, only: Sequence[str], jobs: int) -> Path:
 
 
 def flown(row: Row) -> Rows | None:
-    """What these FMUs have flown so far; None where they have not begun."""
+    """Returns what these FMUs have flown so far; None where they have not begun."""
     return runs_of(row.case(1), RESULTS)
 
 

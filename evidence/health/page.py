@@ -65,12 +65,12 @@ def _line(which: str, of: dict[str, list[Flight]]) -> list[str]:
 
 
 def kind(row: Row) -> str:
-    """What fails, whenever it does."""
+    """Returns what fails, whenever it does."""
     return row.text.removesuffix(", in the tumble").removesuffix(", in the hold")
 
 
 def _lost(flights: Sequence[tuple[str, Flight]]) -> str:
-    """How many are lost, and on which sets of sensors."""
+    """Returns how many are lost, and on which sets of sensors."""
     lost = [campaign for campaign, f in flights if f.outcome == "lost"]
     where = ", ".join(f"{text} {lost.count(campaign)}" for campaign, text in SENSORS.items() if campaign in lost)
     return f"{len(lost)} of {len(flights)}" + (f": {where}" if where else "")

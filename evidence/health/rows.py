@@ -24,7 +24,7 @@ SENSORS = ("gyro", "magnetometer", "GNSS", "star_tracker", "sun_sensors")
 
 @dataclass(frozen=True)
 class Actuators:
-    """What is left of them."""
+    """Actuators that are left."""
 
     rods: tuple[int, ...]
     """Those that work, 0 to 2."""
@@ -102,7 +102,7 @@ class Row:
 
 
 def named(campaign: str = "estimated") -> dict[str, Data]:
-    """When each part is named: metrics by the part; friction where half of what grows is estimated."""
+    """Returns when each part is named: metrics by the part; friction where half of what grows is estimated."""
     rods: dict[str, Data] = {
         f"rod_{i}": {"signal": "controller.failed_rod", "reaches": {"equals": i}} for i in (1, 2, 3)
     }

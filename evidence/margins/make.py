@@ -43,7 +43,7 @@ _GENERATED = "block.h", "table.c"
 
 @dataclass(frozen=True)
 class Job:
-    """What is measured at once: its rows stand under `kind`."""
+    """A measurement, whose rows stand under `kind`."""
 
     kind: str
     hold: str

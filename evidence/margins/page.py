@@ -96,7 +96,7 @@ def _crossing(points: list[tuple[float, float]], level: float) -> float:
 
 
 def _decay(name: str, rows: list[dict[str, Any]]) -> list[str]:
-    """What is left of a disturbance after 200 s and after an orbit, from the least place to the most."""
+    """Returns what is left of a disturbance after 200 s and after an orbit, from the least place to the most."""
     linear = [row for row in rows if not row["refused"]]
     known = [row for row in linear if "orbit" in row and row["wrong"] <= NOISY and row["left"] > BENEATH]
     left, orbits = _ends([row["left"] for row in linear]), _ends([row["orbit"] for row in known])

@@ -25,7 +25,7 @@ from .problem import ANGLE
 
 @dataclass(frozen=True)
 class Check:
-    """Of one course."""
+    """Check of one course."""
 
     angle: float
     """Largest over HOLD after T, rad."""
@@ -57,8 +57,9 @@ def check(p: plant.Parameters, course: Course, group: Group) -> Check:
 
 
 def _holds_on(p: plant.Parameters, x: plant.State, group: Group) -> bool:
-    """Whether the planned controller, started here, keeps the angle for an orbit, and ends it with a rate error below
-    RATE."""
+    """Returns whether the planned controller, started here, keeps the angle for an orbit, and ends it with a rate error
+    below RATE.
+    """
     r, v = p.orbit.position_velocity(x.t)
     data = copy.deepcopy(group.scenario)
     later = datetime.fromisoformat(p.epoch).astimezone(UTC) + timedelta(seconds=x.t)

@@ -80,7 +80,7 @@ class Course:
         )
 
     def late(self, begin: float) -> Course:
-        """What is left of it from one of its times, s."""
+        """Returns what is left of it from one of its times, s."""
         first = int(np.searchsorted(self.times, begin))
         t, rest = self.times[first:] - self.times[first], slice(first, None)
         return Course(t, self.attitudes[rest], self.Omega[rest], self.l_w[rest], self.u[rest])

@@ -102,7 +102,7 @@ def _line(run: int, wanted: Group, old: Line | None) -> Line | None:
 
 
 def _of(whole: Found, seen: Check) -> dict[str, Any]:
-    """What a line says of the best motion."""
+    """Returns what a line says of the best motion."""
     best = whole.course
     use = _use(best)
     return {
@@ -118,7 +118,7 @@ def _of(whole: Found, seen: Check) -> dict[str, Any]:
 
 
 def _checked(flight: Flight, found: Found, wanted: Group) -> tuple[Found, Check]:
-    """What the plant confirms: the motion found, or the same with finer intervals."""
+    """Returns what the plant confirms: the motion found, or the same with finer intervals."""
     seen = check(flight.plant, found.course, wanted)
     if seen.held_on:
         return found, seen
@@ -133,7 +133,7 @@ def _use(course: Course) -> Array:
 
 
 def _of_flight(flight: Flight, after: Found | None) -> dict[str, Any]:
-    """What a line says of the flight, and of the best motion after its hand-over."""
+    """Returns what a line says of the flight, and of the best motion after its hand-over."""
     use = _use(flight.course)
     return {
         "flown_s": flight.settled,

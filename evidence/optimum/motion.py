@@ -27,7 +27,7 @@ SAMPLE, FIELD = 5.0, 1e-5
 
 
 class Motion:
-    """Of a satellite from its start until `longest`, s; tolerances of angle, rad, and rate, rad/s."""
+    """Motion of a satellite from its start until `longest`, s; tolerances of angle, rad, and rate, rad/s."""
 
     def __init__(self, p: plant.Parameters, longest: float, begin: float = 0.0) -> None:
         """`begin`: the plant's time at which the motion's own begins, s."""

@@ -34,7 +34,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Optimum:
-    """Of a tumble."""
+    """The best motion of a tumble."""
 
     wholes: list[Found]
     """From its start, the shortest first."""
@@ -47,7 +47,7 @@ class Optimum:
 
 
 def search(flight: Flight) -> Optimum:
-    """What is found from WIDE starts or more.
+    """Returns what is found from WIDE starts or more.
 
     After a hand-over the short problem from there is solved first. Its best, after the flown steering, is one of the
     starts.

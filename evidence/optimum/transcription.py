@@ -25,7 +25,7 @@ FEASIBLE = 1e-5
 
 @dataclass(frozen=True)
 class Task:
-    """What is to be done in the least time. All numbers are of the order of one."""
+    """The problem of least time. All numbers are of the order of one."""
 
     step: ca.Function
     """x (n,), u (m,) within [-1, 1], time t and length h to x at t + h."""
@@ -53,7 +53,7 @@ class Guess:
 
 @dataclass(frozen=True)
 class Solution(Guess):
-    """What IPOPT ended with; whether or not it is a minimum, a feasible one is a motion that takes T."""
+    """Result of IPOPT; whether or not it is a minimum, a feasible one is a motion that takes T."""
 
     violation: float
     """Largest gap between intervals, or excess over a limit."""

@@ -58,7 +58,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Firmware:
-    """What a board runs, and what the compiler says of it; sizes in bytes."""
+    """Program of a board, and what the compiler says of it; sizes in bytes."""
 
     elf: Path
     code: int

@@ -48,7 +48,7 @@ def _check(f: Flight) -> None:
 
 
 def fields(flights: Sequence[Flight]) -> dict[str, object]:
-    """What the page's template shows."""
+    """Returns what the page's template shows."""
     return {
         "bounds": [f"`{block}` {_thousands(bound)}" for block, bound in BOUNDS.items()],
         "sizes": [_size(f) for f in flights],

@@ -42,7 +42,7 @@ class Alarm:
 
 @dataclass(frozen=True)
 class Result:
-    """What an analysis came to."""
+    """Result of an analysis."""
 
     alarms: tuple[Alarm, ...]
     proved: int

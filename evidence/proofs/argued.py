@@ -27,7 +27,7 @@ FILE = Path(__file__).with_name("arguments.yaml")
 
 @dataclass(frozen=True)
 class Argument:
-    """Why a property holds that Eva cannot see."""
+    """Reason for a property that Eva cannot see."""
 
     file: str
     function: str
@@ -44,7 +44,9 @@ class Argument:
         return where and self.text in alarm.text
 
     def digest(self, root: Path = PACKAGES) -> str:
-        """Of the C that it speaks of, comments and spaces apart. Raises InputError where a function is not there."""
+        """Returns the digest of the C that it speaks of, comments and spaces apart. Raises InputError where a function
+        is not there.
+        """
         texts: dict[str, str] = {}
         for place in self.rests_on:
             if place == "callers":
@@ -64,7 +66,7 @@ def arguments() -> list[Argument]:
 
 
 def stale(given: Iterable[Argument]) -> list[str]:
-    """Of each argument whose C is another now: which, and what to do."""
+    """Returns for each argument whose C is another now which it is, and what to do."""
     return [
         f"{FILE.name}: {a.file}: {a.function}: {a.text}: the C that it rests on has changed; "
         f"remedy: read the argument again, then code: {digest!r}"

@@ -27,7 +27,7 @@ HEAP = ("malloc", "calloc", "realloc", "free", "alloca", "aligned_alloc", "posix
 
 @dataclass(frozen=True)
 class Bounds:
-    """Of a block on a Cortex-M7, with the elementary functions; bytes."""
+    """Stack of a block on a Cortex-M7, with the elementary functions; bytes."""
 
     block: str
     stack: dict[str, int]

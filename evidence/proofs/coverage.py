@@ -44,7 +44,9 @@ def defined(path: Path) -> set[str]:
 
 
 def reached(result: Result) -> Counter[str]:
-    """How many functions of each name the program enters: those of files that have one name get numbers in Frama-C."""
+    """Returns how many functions of each name the program enters: those of files that have one name get numbers in
+    Frama-C.
+    """
     return Counter(re.sub(r"_\d+$", "", name) for name in result.functions)
 
 
@@ -56,7 +58,7 @@ def parts(blocks: Sequence[str]) -> list[tuple[str, list[Path]]]:
 
 
 def rows(blocks: Sequence[str], results: Iterable[tuple[Subject, Result]]) -> list[tuple[str, ...]]:
-    """Of each part: its functions that its own program enters, those of others, and the names of the rest."""
+    """Returns for each part its functions that its own program enters, those of others, and the names of the rest."""
     programs = [(subject, reached(result)) for subject, result in results]
     table: list[tuple[str, ...]] = []
     for part, files in parts(blocks):
@@ -89,7 +91,7 @@ def rows(blocks: Sequence[str], results: Iterable[tuple[Subject, Result]]) -> li
 
 
 def _reads(subject: Subject, files: Sequence[Path]) -> bool:
-    """Whether the program of a subject has one of the files, or headers that it may include."""
+    """Returns whether the program of a subject has one of the files, or headers that it may include."""
     if any(path.parent == COMMON for path in files) or files == [ELEMENTARY]:
         return subject.span is not None or files != [ELEMENTARY] or ELEMENTARY in subject.sources
     folders = [*subject.folders(), *(path.parent for path in subject.sources)]

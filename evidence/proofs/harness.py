@@ -215,7 +215,7 @@ def _filled(name: str, v: Variable, shape: tuple[int, ...], span: Range) -> str:
 
 
 def limits_of(v: Variable) -> tuple[float, float]:
-    """Of a real parameter or input; of an optional one while it is connected."""
+    """Returns the limits of a real parameter or input; of an optional one while it is connected."""
     low, high = (-REAL_MAX if v.min is None else v.min), (REAL_MAX if v.max is None else v.max)
     return (float(low), float(high)) if not v.optional else (float(low), min(float(high), ABSENT_MIN))
 

@@ -20,7 +20,7 @@ FOLDER = ROOT / "out" / "proofs"
 
 
 def result_of(subject: Subject) -> Result:
-    """Of an analysis with these sources, now or before. Raises InputError."""
+    """Returns the result of an analysis with these sources, now or before. Raises InputError."""
     folder = FOLDER / subject.title.replace(", ", "-")
     path, digest = folder / "result.json", _digest(subject)
     if path.exists():

@@ -47,7 +47,7 @@ def bounds() -> dict[tuple[str, str], int]:
 
 
 def has_or(condition: str) -> bool:
-    """Whether a condition has an alternative outside parentheses: what it says of a counter is no bound then."""
+    """Returns whether a condition has an alternative outside parentheses: it then bounds no counter."""
     bare = condition
     while (less := re.sub(r"\([^()]*\)", "", bare)) != bare:
         bare = less
@@ -55,7 +55,9 @@ def has_or(condition: str) -> bool:
 
 
 def counts(head: str, body: str) -> str:
-    """How often a loop goes round at most, as a term of C; empty where its head does not say, or its body counts."""
+    """Returns how often a loop goes round at most, as a term of C; empty where its head does not say, or its body
+    counts.
+    """
     if found := _UP.fullmatch(head):
         i, first, sign, end = found.groups()
     elif found := _DOWN.fullmatch(head):
@@ -151,7 +153,7 @@ def copy(root: Path, into: Path) -> dict[tuple[str, int], str]:
 
 
 def proved(results: Iterable[tuple[tuple[str, bool], ...]]) -> dict[str, bool]:
-    """Of each checked loop whether it is proved, in each program that has it."""
+    """Returns whether each checked loop is proved, in each program that has it."""
     found: dict[str, bool] = {}
     for rounds in results:
         for loop, holds in rounds:

@@ -41,7 +41,7 @@ Found = Counter[tuple[str, str]]
 
 
 def findings() -> Found:
-    """Of both tools, in files of this project. Raises InputError where one is not installed."""
+    """Returns the findings of both tools in files of this project. Raises InputError where one is not installed."""
     found: Found = Counter()
     with tempfile.TemporaryDirectory() as temporary:
         places = set[tuple[str, str, str]]()

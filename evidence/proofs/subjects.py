@@ -68,7 +68,7 @@ class Subject:
         return Block.named(name) if name else None
 
     def folders(self) -> list[Path]:
-        """Where its C stands."""
+        """Returns where its C stands."""
         return natives(self.block.folder) if self.block else [path.parent for path in self.sources]
 
     def prove(self, folder: Path, root: Path = PACKAGES) -> Result:

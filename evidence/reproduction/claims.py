@@ -145,7 +145,7 @@ OUTCOMES = (
 
 
 def outcome(which: str, seen: Seen) -> Array:
-    """Which of OUTCOMES each run shows."""
+    """Returns which of OUTCOMES each run shows."""
     in_time = CLAIMS[which][0].holds(seen)
     latched = seen.latched == 1
     at_zero = latched & (seen.held_at_zero == 1) & (seen.held == 0.0) & (seen.holds == 1)
@@ -162,7 +162,7 @@ HOLDS = (
 
 
 def hold_outcome(seen: Seen) -> Array:
-    """Which of HOLDS each run shows; `holds` of a scenario tells the same of a single run."""
+    """Returns which of HOLDS each run shows; `holds` of a scenario tells the same of a single run."""
     at_zero = (seen.held_at_zero == 1) & (seen.held == 0.0)
     latched = seen.latched == 1
     return np.select([seen.holds == 0, latched & at_zero & (seen.holds == 1), latched, at_zero], [0, 4, 3, 2], 1)

@@ -77,7 +77,7 @@ def momentum(done: dict[str, Any]) -> Any:
 
 
 def latch(done: dict[str, Any]) -> Any:
-    """What became of V.C's hold against node longitude, and one run that latches."""
+    """Returns what became of V.C's hold against node longitude, and one run that latches."""
     figure, axes = panels(1, 3, 4.8, 3.6)
     ax = axes[0][0]
     settings = (("latch 0.65 0.9", "K₀ 0.65, L₀ 0.9"), ("latch 0.4 1", "K₀ 0.4, L₀ 1.0"))

@@ -48,7 +48,7 @@ Part = tuple[str, Callable[..., Any], tuple[Any, ...]]
 
 
 def campaigns() -> list[Part]:
-    """What is flown as campaigns, whose first argument is the crew.
+    """Returns what is flown as campaigns, whose first argument is the crew.
 
     One that returns a dictionary has a result for each manoeuvre.
     """
@@ -59,7 +59,7 @@ def campaigns() -> list[Part]:
 
 
 def calls() -> list[Part]:
-    """What is computed without FMUs, the longest first."""
+    """Returns what is computed without FMUs, the longest first."""
     made: list[Part] = [("starts at the edge", from_edge, ())]
     made += [(f"random starts, {s}", from_random, (s,)) for s in ("constant", "error")]
     made += [("random starts, wrong inertia", from_random, ("error", True))]

@@ -23,19 +23,19 @@ def b_wheel(time: Any, signals: Signals) -> float:
 
 
 def _crossed(time: Any, signals: Signals) -> Any:
-    """When b1 changes its sign, s."""
+    """Returns when b1 changes its sign, s."""
     sign = np.sign(signals["allocator.b_wheel"])
     known = np.flatnonzero(sign)
     return time[known[1:][sign[known[1:]] != sign[known[:-1]]]]
 
 
 def crossings(time: Any, signals: Signals) -> float:
-    """How often b1 changes its sign."""
+    """Returns how often b1 changes its sign."""
     return float(len(_crossed(time, signals)))
 
 
 def crossed(time: Any, signals: Signals) -> float:
-    """When b1 first changes its sign, s."""
+    """Returns when b1 first changes its sign, s."""
     return float(min(_crossed(time, signals), default=np.inf))
 
 
@@ -52,17 +52,17 @@ def _first(signals: Signals) -> slice:
 
 
 def holds(time: Any, signals: Signals) -> float:
-    """How many holds there are."""
+    """Returns how many holds there are."""
     return float(len(_holds(signals)[0]))
 
 
 def held(time: Any, signals: Signals) -> float:
-    """When the first hold begins, s."""
+    """Returns when the first hold begins, s."""
     return float(min(time[_holds(signals)[0]], default=np.inf))
 
 
 def hold_ends(time: Any, signals: Signals) -> float:
-    """When the last hold ends, s."""
+    """Returns when the last hold ends, s."""
     begins, ends = _holds(signals)
     return float(time[ends[-1]]) if len(ends) and len(ends) == len(begins) else np.inf
 

@@ -85,7 +85,7 @@ def _number(value: float, constant: sweep.Constant) -> str:
 
 
 def _range(constant: sweep.Constant, which: str, seen: Seen) -> str:
-    """Where every claim is met."""
+    """Returns where every claim is met."""
     ends = sweep.interval(constant, which, seen)
     if ends is None:
         return "none"

@@ -109,7 +109,7 @@ class Bounds:
 
     @staticmethod
     def log1p(x: Any) -> Bound:
-        """Of x of at least 0, where the slope is at most 1."""
+        """Returns log(1 + x) for x of at least 0, where the slope is at most 1."""
         size = (1 + x.size).log()
         return Bound(size, x.error + ELEMENTARY * (size + x.error) + LEAST)
 

@@ -23,7 +23,7 @@ _KINDS = {"real": "f8", "boolean": "?"}
 
 
 def layout(interface: Interface, causality: Any) -> np.dtype[Any]:
-    """Of the C structure."""
+    """Returns the layout of the C structure."""
     fields = [(v.name, _KINDS.get(v.type, "i4"), v.shape or ()) for v in interface.of(causality)]
     return np.dtype(fields, align=True)
 
@@ -67,7 +67,9 @@ class FlightCode:
         return record
 
     def outputs(self, parameters: Any, inputs: Any) -> Any:
-        """Of each input but the first, after a start with the one before it. Raises InputError where one is refused."""
+        """Returns the outputs of each input but the first, after a start with the one before it. Raises InputError
+        where one is refused.
+        """
         n = len(inputs) - 1
         y = np.zeros(n, layout(self.interface, "output"))
         done = self._library.batch(_address(parameters), _address(inputs), ctypes.c_size_t(n), _address(y))

@@ -141,6 +141,6 @@ def tumbles(name: str, runs: int, errors: bool = False, data: Data | None = None
 
 
 def settled(angle: Array, rate: Array) -> Array:
-    """When both were settled, s, infinite where one was not within the last HOLD; each (n,), NaN for never."""
+    """Returns when both were settled, s, infinite where one was not within the last HOLD; each (n,), NaN for never."""
     times = np.where(np.isnan(angle) | np.isnan(rate), math.inf, np.maximum(angle, rate))
     return np.where(times <= DURATION - HOLD, times, math.inf)

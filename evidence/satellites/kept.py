@@ -48,7 +48,7 @@ def column(lines: Sequence[Mapping[str, str]], name: str, empty: float = math.na
 
 
 def are_lost(lines: Sequence[Mapping[str, str]]) -> Array:
-    """Which were settled at EARLY and left again (n,), also if they settled once more."""
+    """Returns which were settled at EARLY and left again (n,), also if they settled once more."""
     return np.isfinite(column(lines, "early_s")) & (settled_at_end(lines) > EARLY)
 
 
@@ -58,7 +58,7 @@ def settled_at_end(lines: Sequence[Mapping[str, str]]) -> Array:
 
 
 def settling_times(lines: Sequence[Mapping[str, str]]) -> Array:
-    """When they settle, s (n,); infinite for those that never do or are lost again."""
+    """Returns when they settle, s (n,); infinite for those that never do or are lost again."""
     return np.where(are_lost(lines), math.inf, settled_at_end(lines))
 
 

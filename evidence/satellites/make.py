@@ -38,7 +38,7 @@ def make(cases: int, jobs: int) -> Path:
 
 
 def flown(satellite: str, condition: str) -> Rows | None:
-    """What these FMUs have flown so far; None where they have not begun."""
+    """Returns what these FMUs have flown so far; None where they have not begun."""
     return runs_of(tumbles(satellite, PART, CONDITIONS[condition]).case, RESULTS)
 
 

@@ -19,7 +19,7 @@ PROVEN = 0.01
 
 @dataclass(frozen=True)
 class Searched:
-    """What was searched of a tumble beside its flight."""
+    """Results of searches for a tumble, beside its flight."""
 
     satellite: str
     condition: str
@@ -32,7 +32,7 @@ class Searched:
 
     @property
     def place(self) -> tuple[int, int, int]:
-        """Where it stands in its file: by satellite, condition and run."""
+        """Its key in its file: by satellite, condition and run."""
         return list(ALL).index(self.satellite), list(CONDITIONS).index(self.condition), self.run
 
 

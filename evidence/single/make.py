@@ -58,7 +58,7 @@ STEPS = (0.1, 0.5, 1.0, 2.0)
 
 @dataclass(frozen=True)
 class Pointing:
-    """Of one flight: settled from, s; rms and largest error after, rad; NaN where it does not settle."""
+    """Pointing of one flight: settled from, s; rms and largest error after, rad; NaN where it does not settle."""
 
     settled: float
     rms: float

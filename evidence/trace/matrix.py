@@ -55,7 +55,7 @@ class Requirement:
 
     @property
     def lacks(self) -> str:
-        """What is missing; empty where nothing is."""
+        """Names of what is missing."""
         if self.code != "all" and not self.evidence[_CODE[self.code]]:
             return _CODE[self.code]
         if not (self.evidence["tests"] or self.evidence["proofs"]):

@@ -32,7 +32,7 @@ def passed(files: Iterable[str], root: Path) -> Passed:
 
 
 def runs_c(path: Path, root: Path) -> bool:
-    """Whether the file, or a module here that it imports, calls a library by ctypes or flies FMUs."""
+    """Returns whether the file, or a module here that it imports, calls a library by ctypes or flies FMUs."""
     return any(
         module == "ctypes" or (module == "orchestration" and "run" in names)
         for _, imports in reached(path, root)
@@ -56,7 +56,7 @@ def reached(path: Path, root: Path) -> Iterator[tuple[Path, list[tuple[str, list
 
 
 def _imports(path: Path, root: Path) -> Iterator[tuple[str, list[str]]]:
-    """Of each import the module, in full, and the names taken from it."""
+    """Returns for each import the module, in full, and the names taken from it."""
     package = path.relative_to(root).parts[:-1]
     for node in ast.walk(ast.parse(path.read_text("utf-8"))):
         if isinstance(node, ast.Import):

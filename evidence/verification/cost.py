@@ -82,7 +82,7 @@ def errors_after_an_orbit() -> dict[int, list[tuple[float, float]]]:
 
 @dataclass(frozen=True)
 class Kept:
-    """What a method keeps over ten orbits: each (n,), at times in orbits."""
+    """Quantities that a method keeps over ten orbits: each (n,), at times in orbits."""
 
     times: Array
     energy: Array

@@ -43,7 +43,7 @@ def least_time(p: plant.Parameters) -> float | None:
 
 
 def plants(flights: Flights, runs: int) -> list[plant.Parameters]:
-    """Of the first runs of a campaign."""
+    """Returns the plants of the first runs of a campaign."""
     data: Data = scenario(flights, CONDITIONS[flights.condition])
     shared = {**data["shared"], "rod_gain": data["blocks"]["plant"]["start"]["rod_gain"], "drag": True}
     found = []

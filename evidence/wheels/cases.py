@@ -40,7 +40,7 @@ SEED = 49
 
 @dataclass(frozen=True)
 class Flights:
-    """What a satellite flies."""
+    """Flights of a satellite."""
 
     satellite: str
     condition: str
@@ -87,7 +87,7 @@ class Flights:
 
 @dataclass(frozen=True)
 class Condition:
-    """What is wrong in the flights of a kind."""
+    """Errors in the flights of a kind."""
 
     text: str
     errors: bool = False
@@ -214,7 +214,7 @@ def vary(flights: Flights, how: Condition) -> Data:
 
 
 def metrics() -> list[Data]:
-    """What each flight is measured by, of the plant's truth."""
+    """Returns what each flight is measured by, of the plant's truth."""
     angle = {"signal": "judge.attitude_error"}
     rate = {"signal": "judge.rate_error_B", "measure": "norm"}
     last = {"after": DURATION - ORBIT}

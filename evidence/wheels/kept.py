@@ -89,7 +89,7 @@ def _by_rods(p: plant.Parameters) -> float:
 
 
 def found_in(times: Sequence[float], wheel: int, lost: int, wheels: int) -> tuple[float, int]:
-    """When the last of the wheels that fail was reported, s, and how many of the others were; `times`: of each."""
+    """Returns when the last wheel that fails was reported, s, and how many others were; `times`: of each."""
     fail = {(wheel + k) % wheels for k in range(lost)}
     late = [math.inf if math.isnan(times[k]) else times[k] for k in fail]
     return max(late, default=math.nan), sum(math.isfinite(times[k]) for k in range(wheels) if k not in fail)

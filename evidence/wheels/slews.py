@@ -54,7 +54,7 @@ def reach(axes: Array, limits: Array, along: Array) -> float:
 
 
 def least_time(satellite: str, axis: Array, angle: float) -> float:
-    """Of a turn from rest to rest about an axis by an angle, rad, within the wheels' torques and momenta, s."""
+    """Returns the least time, s, of a turn from rest to rest by an angle, rad, within torques and momenta of wheels."""
     it, axes = CLASSES[satellite], WHEELS[satellite]
     along, one = np.array(it.moments) * axis, np.ones(len(axes))
     a, rate = (reach(axes, limit * one, along) for limit in (it.wheel_torque_max, it.wheel_momentum_max))

@@ -32,7 +32,7 @@ KINDS = ("replace", "add", "freeze")
 
 @dataclass(frozen=True)
 class Operation:
-    """What happens to a value from an instant (s, included) to another (excluded); the later in a list on the top."""
+    """Change of a value from an instant (s, included) to another (excluded); the later in a list on the top."""
 
     kind: str
     first: float

@@ -69,5 +69,5 @@ def _shape(element: ET.Element) -> _Shape:
 
 
 def _crossings(sides: list[tuple[tuple[float, ...], tuple[float, ...]]], u: float, v: float) -> int:
-    """How many sides a ray from the point to the right crosses."""
+    """Returns how many sides a ray from the point to the right crosses."""
     return sum((y1 > v) != (y2 > v) and u < x1 + (v - y1) / (y2 - y1) * (x2 - x1) for (x1, y1), (x2, y2) in sides)

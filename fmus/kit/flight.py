@@ -70,14 +70,14 @@ def write(interface: Interface, block: Path, folder: Path) -> list[Path]:
 
 
 def digest_of(files: dict[str, bytes]) -> str:
-    """Of the C among these files, by their names."""
+    """Returns the digest of the C among these files, by their names."""
     lines = (f"{hashlib.sha256(data).hexdigest()}  {name}\n" for name, data in sorted(files.items()))
     c = (line for line in lines if line.endswith((".c\n", ".h\n")) and "  vectors/" not in line)
     return hashlib.sha256("".join(c).encode()).hexdigest()
 
 
 def _proved(interface: Interface, digest: str) -> str:
-    """Whether the reports speak of C with this digest."""
+    """Returns whether the reports speak of C with this digest."""
     known: dict[str, str] = json.loads(path.read_text("utf-8")) if (path := places.shared(PROVED)).exists() else {}
     proved = known.get(interface.name)
     own = f"SHA-256 of the list of the C in src/ and portable/: {digest}\n"

@@ -50,7 +50,7 @@ def write(interface: Interface, folder: Path, language: str) -> list[Path]:
 
 
 def is_of_device(folder: Path) -> bool:
-    """Whether a folder holds a kit for a device."""
+    """Returns whether a folder holds a kit for a device."""
     return (folder / "link" / "device.py").is_file()
 
 

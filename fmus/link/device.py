@@ -209,7 +209,7 @@ class Device:
         return self._answer
 
     def _is_strange(self, hello: Frame) -> bool:
-        """Whether the hello is of another run than that which uses the device."""
+        """Returns whether the hello is of another run than that which uses the device."""
         lease = LEASE_OF_HELLO if self._parameters is None else LEASE
         return self._greeted and _token(hello) != self._token and time.monotonic() - self._heard < lease
 

@@ -87,7 +87,7 @@ def _leave(ready: selectors.BaseSelector, callers: list[socket.socket], line: so
 
 
 def _answer_caller(receive: Receive, line: socket.socket, turned: bool) -> bool:
-    """Whether the caller stays; one that leaves with answers unread resets the line."""
+    """Returns whether the caller stays; one that leaves with answers unread resets the line."""
     with suppress(OSError):
         if data := line.recv(65536):
             line.sendall(receive(data, _name(line.getpeername()), turned))

@@ -70,7 +70,9 @@ def _count(interface: Interface, part: str) -> str:
 
 
 def shape_in_c(interface: Interface, variable: Variable) -> tuple[int, ...]:
-    """Of its member in the structure. That of one part, too, stands in an array, so that the C has one form."""
+    """Returns the shape of its member in the structure. That of one part, too, stands in an array, so that the C has
+    one form.
+    """
     return (1, *variable.shape) if interface.sets.get(variable.each or "") == 1 else variable.shape
 
 
@@ -81,7 +83,9 @@ def members_of(interface: Interface, variable: Variable) -> list[str]:
 
 
 def _connected(interface: Interface, variable: Variable, limit: str) -> str:
-    """Whether an optional input is connected; NaN is, so that the block refuses it as it does in any other input."""
+    """Returns whether an optional input is connected; NaN is, so that the block refuses it as it does in any other
+    input.
+    """
     block = interface.code
     members = [f"u->{member}" for member in members_of(interface, variable)]
     is_absent = "{} < 0" if variable.type == "integer" else f"fabs({{}}) >= {limit}"

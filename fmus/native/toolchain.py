@@ -98,7 +98,7 @@ def host_platform() -> str:
 
 
 def compiler() -> str:
-    """Which compiler is used, with its version: it has a say in a library's bytes."""
+    """Returns which compiler is used, with its version: it has a say in a library's bytes."""
     try:
         return f"ziglang {version('ziglang')}"
     except PackageNotFoundError:
@@ -117,7 +117,9 @@ def compile_library(
 
 
 def suffix_of(place: str) -> str:
-    """Of the libraries in a folder of binaries, by FMI 2.0's name (win64) or FMI 3.0's (x86_64-windows)."""
+    """Returns the suffix of the libraries in a folder of binaries, by FMI 2.0's name (win64) or FMI 3.0's
+    (x86_64-windows).
+    """
     return ".dll" if "win" in place.replace("darwin", "") else ".dylib" if "darwin" in place else ".so"
 
 
@@ -197,7 +199,7 @@ def _compiled_cpp(begin: Sequence[str | Path], arguments: Sequence[str | Path], 
 
 
 def run_program(sources: Sequence[Path], includes: Sequence[Path]) -> str:
-    """What a program of these sources prints on this machine, whatever its status. Raises CompilerError."""
+    """Returns what a program of these sources prints on this machine, whatever its status. Raises CompilerError."""
     compiler = zig()
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder, "program.exe")

@@ -46,7 +46,7 @@ class Snapshot:
 
 
 class Layout:
-    """Where each port and parameter of a block stands in the flat list, and the conversions both ways."""
+    """Places of a block's ports and parameters in the flat list, and the conversions both ways."""
 
     def __init__(self, interface: Interface, block: ModuleType) -> None:
         self.starts: Values = [_start(v, e.start) for v, e in interface.elements.values()]
@@ -73,7 +73,7 @@ class Layout:
         self._reals = _all(itemgetter, self._real_places)
 
     def asked(self, kind: str, references: list[int]) -> Asked:
-        """Of these value references, for the functions of this type."""
+        """Returns what is asked of these value references, for the functions of this type."""
         key = kind, tuple(references)
         if key not in self._asked:
             if len(self._asked) >= _ASKED_MAX:

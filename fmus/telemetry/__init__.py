@@ -61,7 +61,7 @@ class Port(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many values it has."""
+        """Number of its values."""
         return math.prod(self.shape)
 
 

@@ -102,7 +102,7 @@ _MAGIC |= dict.fromkeys((b"\xca\xfe\xba\xbe", b"\xcf\xfa\xed\xfe", b"\xce\xfa\xe
 
 
 def _is_whole(parsed: Any, size: int) -> bool:
-    """Whether a file of this size holds all sections that it names. Of Mach-O lief looks itself."""
+    """Returns whether a file of this size holds all sections that it names. Of Mach-O lief looks itself."""
     sections = [s for s in parsed.sections if getattr(s, "type", None) is None or s.type.name != "NOBITS"]
     told = getattr(parsed.header, "numberof_sections", len(parsed.sections))
     some = bool(told or getattr(parsed, "segments", ()))

@@ -88,7 +88,7 @@ def _in_order(scalars: list[Variable]) -> list[Variable]:
 
 
 def _alike(names: tuple[str, ...], descriptions: set[str]) -> bool:
-    """Whether names of one letter, a common beginning or end, or one description speak for one vector."""
+    """Returns whether names of one letter, a common beginning or end, or one description speak for one vector."""
     alike = any(len({name[part] for name in names}) == 1 for part in (slice(3), slice(-3, None)))
     return alike or all(len(name) == 1 for name in names) or len(descriptions - {""}) == 1
 

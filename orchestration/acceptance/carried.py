@@ -26,7 +26,7 @@ _KINDS |= {"SHA-224": "sha224", "SHA-256": "sha256", "SHA-384": "sha384", "SHA-5
 
 
 class Missing(ValueError):
-    """What the experiment needs is not there, or not of a kind that can be played."""
+    """Raised where what the experiment needs is not there, or cannot be played."""
 
 
 @dataclass

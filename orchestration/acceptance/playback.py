@@ -23,7 +23,7 @@ from ..system.wiring import Link, Node, Wiring
 
 @dataclass
 class Played:
-    """What a block gave at each instant at which it was stepped, up to a failure."""
+    """Outputs of a block at each instant at which it was stepped, up to a failure."""
 
     model: Model
     rows: NDArray[np.intp]

@@ -35,7 +35,7 @@ _WARM = 20
 
 @dataclass(frozen=True)
 class Trial:
-    """What came of one."""
+    """Result of a trial."""
 
     name: str
     status: str

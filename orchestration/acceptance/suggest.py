@@ -110,7 +110,7 @@ class _Suggestion:
         return known[name] if name in known else known[name.partition("[")[0]]
 
     def _spare(self, variable: Variable) -> bool:
-        """Whether it goes without: an optional input, or an output that no other block needs."""
+        """Returns whether it goes without: an optional input, or an output that no other block needs."""
         needed = variable.causality != "output" or variable.name in self.reference.needed
         return variable.optional or not needed
 
@@ -156,7 +156,7 @@ class _Suggestion:
         return self._enough(match)
 
     def _meaning(self, match: _Match) -> bool:
-        """Whether the field's words of both sides can mean one thing; what they share counts."""
+        """Returns whether the field's words of both sides can mean one thing; what they share counts."""
         ours, theirs = match.ours, match.candidate
         one = meanings(ours.name, ours.description)
         by_name, other = meanings(theirs.stem), meanings(theirs.stem, theirs.variable.description)
@@ -206,7 +206,7 @@ class _Suggestion:
         return match if match.score + 2.0 * match.aside >= _LEAST else None
 
     def _backwards(self, match: _Match) -> bool:
-        """Whether theirs is told to be the inverse of our rotation matrix."""
+        """Returns whether theirs is told to be the inverse of our rotation matrix."""
         told = direction(match.candidate.variable.description) or direction(match.candidate.stem)
         to, _, from_ = (match.ours.frame or "").partition(" from ")
         return told is not None and told == (to, from_)
@@ -236,7 +236,7 @@ class _Suggestion:
             match.why.append("their words tell the other side, so the opposite sign")
 
     def _units(self, match: _Match) -> bool:
-        """Whether the units fit, or a factor with a unit makes them."""
+        """Returns whether the units fit, or a factor with a unit makes them."""
         own, unit = unit_of(match.ours), match.candidate.variable.unit
         if unit is None or (unit.exponents == ONE.exponents != own.exponents):
             unit = told_unit(match.candidate, own)
@@ -283,7 +283,7 @@ class _Suggestion:
         return parse_unit(nearest)
 
     def _factor(self, match: _Match, own: Unit, unit: Unit) -> bool:
-        """Whether a parameter, such as an inertia, has the unit by which the two differ."""
+        """Returns whether a parameter, such as an inertia, has the unit by which the two differ."""
         for where, parameter, value in self._scalars():
             by = unit_of(parameter)
             if by.exponents in (None, ONE.exponents) or own.exponents is None or unit.exponents is None or not value:

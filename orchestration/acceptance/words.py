@@ -108,7 +108,7 @@ def axes(text: str) -> str:
 
 
 def of_orbit(text: str, rotation: bool = False) -> bool:
-    """Whether a rate, or a rotation, is told to be relative to the orbit's axes."""
+    """Returns whether a rate, or a rotation, is told to be relative to the orbit's axes."""
     return _OF_ORBIT.search(text) is not None or (rotation and _ORBIT_AXES.search(text) is not None)
 
 
@@ -120,7 +120,7 @@ def asides(name: str, description: str, output: bool) -> set[str]:
 
 
 def opposite(ours: str, theirs: str) -> bool:
-    """Whether two descriptions of a torque name opposite sides."""
+    """Returns whether two descriptions of a torque name opposite sides."""
 
     def side(text: str) -> int | None:
         words = set(words_of(text))

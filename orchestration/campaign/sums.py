@@ -41,7 +41,7 @@ class _Runs(BaseModel, strict=True):
 
 
 class _Form(BaseModel, strict=True):
-    """What a start reads in the manifest of an earlier one."""
+    """Part of an earlier start's manifest that the next one reads."""
 
     campaign: str
     sampling: str

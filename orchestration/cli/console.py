@@ -66,7 +66,7 @@ def silence(error: bool = False) -> None:
 
 
 def lost() -> bool:
-    """Whether something could not be printed, since the last time this was asked."""
+    """Returns whether something could not be printed, since the last time this was asked."""
     found = bool(_lost)
     _lost.clear()
     return found
@@ -92,7 +92,7 @@ def notes(warnings: Iterable[str]) -> None:
 
 
 def is_quiet() -> bool:
-    """Whether the command that runs was given --quiet."""
+    """Returns whether the command that runs was given --quiet."""
     context = click.get_current_context(silent=True)
     return context is not None and bool(context.params.get("quiet"))
 

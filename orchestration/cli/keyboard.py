@@ -47,7 +47,7 @@ else:
 
     def _of_terminal(terminal: int) -> Iterator[Keys | None]:
         def in_front() -> bool:
-            """Whether the terminal is this program's; in the background it would be stopped for using it."""
+            """Returns whether the terminal is this program's; in the background it would be stopped for using it."""
             try:
                 return os.tcgetpgrp(terminal) == os.getpgrp()
             except OSError:

@@ -142,7 +142,9 @@ def _is_command(text: str) -> bool:
 
 
 def _may_be_scenario(text: str) -> bool:
-    """Whether it is an option of `run`, or a path: with a suffix or a folder in it, or of a file and no command."""
+    """Returns whether it is an option of `run`, or a path: with a suffix or a folder in it, or of a file and no
+    command.
+    """
     if text[:1] in ("-", "") or Path(text).suffix != "" or Path(text).name != text:
         return True
     return not _is_command(text) and os.path.exists(text)

@@ -96,7 +96,7 @@ def _of_live(scenario: Scenario) -> list[str]:
 
 
 def _is_campaign(path: Path) -> bool:
-    """Whether the file names a scenario that it varies, which a scenario does not."""
+    """Returns whether the file names a scenario that it varies, which a scenario does not."""
     data = None if path.suffix == ".ssp" else read(path).data
     return isinstance(data, dict) and "scenario" in data and "blocks" not in data
 

@@ -103,7 +103,7 @@ def _within(entry: Consistency, unit: tuple[int, ...] | None) -> float:
 
 @dataclass(frozen=True)
 class Broken:
-    """Where a consistency check does not hold: when, by how much, and what was allowed, in base units."""
+    """A consistency check that does not hold: when, by how much, and what was allowed, in base units."""
 
     name: str
     time: float

@@ -105,7 +105,7 @@ class Highlight:
 
 @dataclass(frozen=True)
 class Settled:
-    """How a signal came to keep the bound of an expectation that says `always`, over the whole run."""
+    """Course of a signal until it keeps the bound of an expectation that says `always`, over the whole run."""
 
     signal: str
     expected: str

@@ -51,7 +51,7 @@ class Sight:
         return values if (factor, offset) == (1.0, 0.0) else values * factor + offset
 
     def chosen(self, time: Floats, columns: Mapping[Node, Floats]) -> tuple[bool, NDArray[np.bool_]]:
-        """Whether a sample lies in the window, whatever `when` says, and which samples (n,) are looked at."""
+        """Returns whether a sample lies in the window, whatever `when` says, and which samples (n,) are looked at."""
         span, chosen = self.span, np.ones(len(time), bool)
         if span.after is not None:
             chosen &= time >= span.after - slack(span.after)
@@ -169,7 +169,7 @@ def _end(end: object, name: str, own: Unit | None) -> tuple[float, Unit | None]:
 
 
 def one_number(sight: Sight) -> bool:
-    """Whether it gives one number at each instant."""
+    """Returns whether it gives one number at each instant."""
     return len(sight.nodes) == 1 or sight.span.measure == "norm"
 
 

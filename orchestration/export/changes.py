@@ -42,7 +42,7 @@ class Changed:
 
 @dataclass(frozen=True)
 class Values:
-    """What stands at the elements of a loop at t = 0: start values and the outputs."""
+    """Values at the elements of a loop at t = 0: start values and the outputs."""
 
     start: Callable[[Node], float]
     initial: Mapping[Node, float | int | bool | str]

@@ -27,7 +27,7 @@ _DATE = (1980, 1, 1, 0, 0, 0)
 
 @dataclass(frozen=True)
 class Style:
-    """How an archive is written."""
+    """Form in which an archive is written."""
 
     version: str = "1.0"
     """Of SSP: 1.0 or 2.0. The documents of 2.0 have nothing that 1.0 lacks."""

@@ -250,7 +250,9 @@ def _converted(value: Scalar, factor: float, offset: float) -> Scalar:
 
 
 def _worth(variable: Variable, value: Scalar, own: object) -> bool:
-    """Whether a value is written. Several tools cannot set text and items, so those that are the FMU's own are not."""
+    """Returns whether a value is written. Several tools cannot set text and items, so those that are the FMU's own are
+    not.
+    """
     return variable.type not in ("string", "enumeration") or value != own
 
 

@@ -20,7 +20,7 @@ def aliases(description: Any) -> Iterator[tuple[list[Any], str]]:
 
 
 def set_together(alike: Sequence[Any]) -> str:
-    """What is wrong where a value that is set for one is set for another, too; empty where nothing is."""
+    """Returns what is wrong where a value that is set for one is set for another, too; empty where nothing is."""
     settable = [v for v in alike if v.causality in _SET]
     if len(settable) < 2:
         return ""

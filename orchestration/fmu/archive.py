@@ -67,7 +67,7 @@ class Fmu:
 
     @property
     def library(self) -> str:
-        """Where the library for this platform stands in it; of a law in Python its file."""
+        """Path in it of the library for this platform; of a law in Python its file."""
         return str(self.path) if self.path.suffix == ".py" else self.kind.library
 
     def extract(self, folder: Path, names: Iterable[str] | None = None) -> None:

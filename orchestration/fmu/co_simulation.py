@@ -14,7 +14,7 @@ from .platforms import PLATFORM, PLATFORM_3, PLATFORMS_2, SUFFIX
 
 @dataclass(frozen=True)
 class CoSimulation:
-    """How its library is called, what it needs and how it can be stepped."""
+    """Name of its library, what it needs and how it can be stepped."""
 
     version: int
     """FMI's major version."""
@@ -50,7 +50,7 @@ class CoSimulation:
 
     @property
     def library(self) -> str:
-        """Where the library for this platform stands in the FMU."""
+        """Path in the FMU of the library for this platform."""
         return f"binaries/{self.platform}/{self.identifier}{SUFFIX}"
 
     @property

@@ -71,7 +71,7 @@ def _refuse_too_many(description: Any) -> None:
 
 
 def _left_out(variable: Any) -> str:
-    """Why a variable is not exchanged; empty where it is."""
+    """Returns why a variable is not exchanged; empty where it is."""
     if variable.causality == "structuralParameter":
         return "a structural parameter, which keeps its start value"
     if variable.type == "Binary" or (variable.type == "String" and variable.shape):
@@ -189,14 +189,14 @@ def _variable(
 
 
 def _common(descriptions: list[str]) -> str:
-    """What the descriptions of all elements begin with, or the first where that is next to nothing."""
+    """Returns what the descriptions of all elements begin with, or the first where that is next to nothing."""
     common = commonprefix(descriptions)  # character by character is meant  # noqa: RUF071
     common = common.rstrip(" [(,;:")
     return common if len(common) > 3 else descriptions[0]
 
 
 def _nominal(declared: Any) -> float:
-    """What a description declares as nominal; 1 where it declares none that is a size."""
+    """Returns what a description declares as nominal; 1 where it declares none that is a size."""
     size = abs(float(declared or 1.0))
     return size if 0.0 < size < math.inf else 1.0
 
@@ -212,7 +212,9 @@ def _dependencies(unknowns: list[Any], elements: dict[str, list[Element]]) -> di
 
 
 def _feedthrough(description: Any, elements: dict[str, list[Element]]) -> dict[Element, frozenset[Element] | None]:
-    """What its outputs depend on directly, as it declares; on nothing where it has no input, whatever it declares."""
+    """Returns what its outputs depend on directly, as it declares; on nothing where it has no input, whatever it
+    declares.
+    """
     if any(variable.causality == "input" for variable in description.modelVariables):
         return _dependencies(description.outputs, elements)
     outputs = [v.name for v in description.modelVariables if v.causality == "output"]

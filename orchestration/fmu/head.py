@@ -22,7 +22,7 @@ XML_MAX = 64_000_000
 
 @dataclass(frozen=True)
 class Head:
-    """What can be said of a modelDescription.xml before FMPy reads it."""
+    """Facts of a modelDescription.xml before FMPy reads it."""
 
     version: str | None
     """The version of FMI that it declares."""
@@ -38,7 +38,9 @@ class Head:
 
 
 def read_head(path: Path) -> Head:
-    """What an FMU's modelDescription.xml says of itself. Raises InputError where it holds none, too much, or no XML."""
+    """Returns what an FMU's modelDescription.xml says of itself. Raises InputError where it holds none, too much, or no
+    XML.
+    """
     with zipped.reading(path, "FMU") as archive:
         if "modelDescription.xml" not in archive.namelist():
             raise InputError(f"{shown(path)} is no FMU: it holds no modelDescription.xml")

@@ -36,7 +36,7 @@ class Interface:
 
 
 def is_path(text: str) -> bool:
-    """Whether this names a file, and no block of the project."""
+    """Returns whether this names a file, and no block of the project."""
     return text.endswith(".fmu") or "/" in text or "\\" in text
 
 
@@ -72,14 +72,16 @@ def _starts(interface: Any) -> dict[Element, Any]:
 
 @cache
 def pages() -> Mapping[str, Mapping[str, Any]]:
-    """What a page that flies offers of blocks with the project's own interfaces, by their names."""
+    """Returns what a page that flies offers of blocks with the project's own interfaces, by their names."""
     own_ = tomllib.loads((INTERFACES / "pages.toml").read_text("utf-8"))
     parts = {block: (own_.get(block, {}), own_.get(SETS[block][0] if block in SETS else "", {})) for block in BLOCKS}
     return {b: {key: [*x.get(key, ()), *y.get(key, ())] for key in {**x, **y}} for b, (x, y) in parts.items()}
 
 
 def view(block: str) -> Mapping[str, Any]:
-    """What a three-dimensional view takes of a block with one of the project's own interfaces; nothing of any other."""
+    """Returns what a three-dimensional view takes of a block with one of the project's own interfaces; nothing of any
+    other.
+    """
     return load(block).view if block in own() else {}
 
 
@@ -101,7 +103,7 @@ def with_inputs(model: Model, block: str) -> Model:
 
 
 def place(block: str) -> str:
-    """Where a block stands in the loop: `allocator_bounded` in the place of `allocator`."""
+    """Returns where a block stands in the loop: `allocator_bounded` in the place of `allocator`."""
     return block.partition("_")[0]
 
 

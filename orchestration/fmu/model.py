@@ -175,7 +175,7 @@ class Model:
 
     @property
     def prefix(self) -> str:
-        """What the names of FMI's functions begin with."""
+        """Prefix of the names of FMI's functions."""
         return f"fmi{self.fmi[0]}"
 
     def named(self, name: str) -> Variable | None:

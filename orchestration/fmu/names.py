@@ -17,7 +17,7 @@ _HEX = "[0-9A-F]{4,6}"
 
 
 def _pattern(forbidden: str) -> re.Pattern[str]:
-    """What has to be written out, where these characters may not stand."""
+    """Returns what has to be written out, where these characters may not stand."""
     return re.compile(f"{forbidden}|_(?=x{_HEX}(?:_|{forbidden}))|^x(?={_HEX}(?:_|{forbidden}))", re.ASCII)
 
 

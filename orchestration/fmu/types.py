@@ -27,7 +27,7 @@ class Native(NamedTuple):
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """What it holds: from the first to below the second, as doubles."""
+        """Range of its values: from the first to below the second, as doubles."""
         if self.whole:
             limits = np.iinfo(self.code)
             return float(limits.min), float(limits.max + 1)

@@ -36,7 +36,7 @@ Failed = Callable[[str, int], BlockError]
 
 
 class Part(NamedTuple):
-    """How much of an exchange is made, counted from its first."""
+    """Part of an exchange that is made, counted from its first."""
 
     references: int
     values: int
@@ -113,7 +113,7 @@ def _span(places: NDArray[np.int64]) -> Any:
 
 
 def follow(places: NDArray[np.int64]) -> bool:
-    """Whether each place is the one after that before it."""
+    """Returns whether each place is the one after that before it."""
     return len(places) > 0 and bool((places[1:] - places[:-1] == 1).all())
 
 

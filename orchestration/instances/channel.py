@@ -43,7 +43,7 @@ SETTING, STEPPING, GETTING = 1, 2, 3
 
 @dataclass(frozen=True)
 class Setup:
-    """What a worker has to know of its FMU."""
+    """Data of its FMU that a worker needs."""
 
     name: str
     model: Model
@@ -144,7 +144,7 @@ def send(to: int, kind: bytes, body: bytes) -> None:
 
 
 def receive(source: int) -> bytes:
-    """What follows CALL or ANSWER. Raises Closed."""
+    """Returns what follows CALL or ANSWER. Raises Closed."""
     (length,) = _LENGTH.unpack(_read(source, _LENGTH.size))
     if length > _ANSWER_MAX:
         raise Closed

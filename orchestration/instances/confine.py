@@ -58,7 +58,7 @@ def _data_now() -> int:
 
 
 def print_at_once() -> None:
-    """What is printed into a pipe would else be kept back until much has come together, and a crash would lose it."""
+    """Sends each line on as it is printed: a pipe would else keep much back, and a crash lose it."""
     with suppress(Exception):
         sys.stdout.reconfigure(line_buffering=True)  # type: ignore[union-attr]
     by_line = 1  # _IOLBF of glibc, musl and macOS

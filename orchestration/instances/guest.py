@@ -26,7 +26,7 @@ _STEP = struct.Struct("<qq")
 
 
 class Trace:
-    """Where the FMUs of this process are: memory that outlives the process in the one that waits for it."""
+    """State of the FMUs of this process: memory that outlives the process in the one that waits for it."""
 
     SIZE, GUESTS, ROOM = 1 << 16, 1 << 14, 64
     """Bytes in all, before the places of guests in the loop in C, and of such a place (CGuest of master/layout.py)."""

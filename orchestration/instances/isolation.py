@@ -262,7 +262,7 @@ class IsolatedBlock:
         return BlockError(self.name, self._call(), how, log=self.log)
 
     def _held(self) -> str:
-        """Whether it had run out of memory."""
+        """Returns whether it had run out of memory."""
         limit = self._limits.memory
         return (
             f"; it had used up the {size_text(limit)} that the block's 'memory' allows"

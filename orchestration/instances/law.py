@@ -81,7 +81,7 @@ class Law:
         return law.step, law
 
     def _guarded(self, call: str, work: Callable[[], Any]) -> Any:
-        """What it raises is the block's error, and no end of the run but by its status; only a signal is one."""
+        """Makes what it raises the block's error, and no end of the run but by its status; only a signal is one."""
         TRACE.at(self.name, call)
         try:
             return work()
@@ -135,7 +135,9 @@ class Law:
         return array
 
     def _outputs(self, step: Callable[..., Any], inputs: SimpleNamespace, t: float, h: float) -> dict[str, Any]:
-        """What the law gives, each output flat. Raises BlockError, with the line of the file or the output's name."""
+        """Returns what the law gives, each output flat. Raises BlockError, with the line of the file or the output's
+        name.
+        """
         if self._parameters is None:
             self._parameters = self._namespace("parameter")
         try:

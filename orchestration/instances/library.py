@@ -67,7 +67,7 @@ def _initialize_3(stop: float) -> Calls:
 
 @dataclass(frozen=True)
 class Version:
-    """What differs between the versions of FMI."""
+    """Differences between the versions of FMI."""
 
     prefix: str
     """What the names of its functions begin with."""

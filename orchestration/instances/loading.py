@@ -24,8 +24,9 @@ _REFUSALS = (
 
 
 def in_words(refusal: str) -> str:
-    """Why a library cannot be loaded, in plain words where the loader's are known; FMPy puts a sentence of its own
-    before."""
+    """Returns why a library cannot be loaded, in plain words where the loader's are known; FMPy puts a sentence of its
+    own before.
+    """
     for pattern, words in _REFUSALS:
         if match := re.search(pattern, refusal, re.DOTALL):
             return match.expand(words)

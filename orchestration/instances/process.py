@@ -22,7 +22,7 @@ _WINDOWS = {0xC0000005: "an access violation", 0xC00000FD: "a stack overflow", 0
 
 @dataclass(frozen=True)
 class Limits:
-    """What an isolated FMU may take."""
+    """Limits of an isolated FMU."""
 
     timeout: float
     """Seconds that any one call may take."""
@@ -60,7 +60,7 @@ class Process:
         """The most memory that it held, in bytes, where the system tells; known once it is reaped."""
 
     def gone(self, timeout: float) -> bool:
-        """Whether it ends within this time. It keeps its number, so that its group can still be ended."""
+        """Returns whether it ends within this time. It keeps its number, so that its group can still be ended."""
         until = monotonic() + timeout
         while not self._has_ended():
             if monotonic() >= until:
@@ -115,7 +115,7 @@ class Process:
 
     @property
     def cause(self) -> str:
-        """How it ended, by its exit status."""
+        """Its end in words, by its exit status."""
         status = self._popen.returncode
         if status is not None and status < 0:
             text = signal.strsignal(-status) or ""

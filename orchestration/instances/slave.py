@@ -37,8 +37,9 @@ _TERMINATED = 3
 
 
 def asks_to_end(error: BlockError) -> bool:
-    """Whether an FMU has not failed but ends the simulation: by a step that it discards (FMI 2.0), or by its answer
-    (3.0)."""
+    """Returns whether an FMU has not failed but ends the simulation: by a step that it discards (FMI 2.0), or by its
+    answer (3.0).
+    """
     return error.call.endswith("DoStep") and error.problem in (f"gave status {_STATUS[_DISCARD]}", ANSWERS[1])
 
 
@@ -285,7 +286,7 @@ class Slave:
         return self._error(call, f"gave status {known[status] if status < len(known) else status}", status)
 
     def _has_terminated(self, call: str) -> bool:
-        """Whether an FMU of FMI 2.0 says that it ends the simulation, of a step that it discards."""
+        """Returns whether an FMU of FMI 2.0 says that it ends the simulation, of a step that it discards."""
         has = c.c_int(0)
         try:
             function = self._function("fmi2GetBooleanStatus") if call == "fmi2DoStep" else None

@@ -139,7 +139,7 @@ def _as_number(limit: int) -> float:
 
 
 def _flushes() -> bool:
-    """Whether numbers below the smallest normal one are taken for zero."""
+    """Returns whether numbers below the smallest normal one are taken for zero."""
     least = sys.float_info.min
     return not least / 2 or not math.nextafter(0.0, 1.0) * 2
 

@@ -24,7 +24,7 @@ class Watchdog:
         threading.Thread(target=self._watch, daemon=True).start()
 
     def interrupted(self) -> bool:
-        """Whether the run has been interrupted since this began."""
+        """Returns whether the run has been interrupted since this began."""
         return interrupt.latest() is not self._earlier and bool(interrupt.latest())
 
     def _watch(self) -> None:

@@ -15,7 +15,7 @@ from .c_text import Text, fields
 
 
 class Places(Protocol):
-    """Where things lie in the tables that these join."""
+    """Places in the tables that these join."""
 
     c: Text
 

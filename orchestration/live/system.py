@@ -33,7 +33,7 @@ _LOOP = _HERE.parent / "master"
 
 @dataclass(frozen=True)
 class Live:
-    """What a page is made of."""
+    """Data of a page."""
 
     scenario: Scenario
     opened: Opened

@@ -36,7 +36,7 @@ _EXCHANGE = "fmi2Status (*)(fmi2Component, const fmi2ValueReference[], size_t, v
 
 @dataclass
 class _Tabled:
-    """What the master's bus is laid out for, in place of an instance."""
+    """Stands in the place of an instance where the master's bus is laid out."""
 
     name: str
     model: Model
@@ -64,7 +64,7 @@ class Tables:
 def tables(
     plan: Plan, code: Mapping[str, str], starts: Mapping[str, Sequence[Start]], faults: Sequence[Faults]
 ) -> Tables:
-    """Of a plan. `code` says whose functions an instance calls; `faults` are what each fault does."""
+    """Returns the tables of a plan. `code` says whose functions an instance calls, `faults` what each fault does."""
     return _Writer(plan, code).write(starts, faults)
 
 

@@ -56,7 +56,7 @@ class Margins:
 
 @dataclass(frozen=True)
 class Disk:
-    """What a disk margin guarantees: gains and, apart from them, phases that may change by so much."""
+    """Guarantee of a disk margin: gains and, apart from them, phases that may change by so much."""
 
     low: float
     high: float

@@ -45,7 +45,7 @@ class BlockModel:
 
     @property
     def refused(self) -> str:
-        """Why there is no model; empty where there is."""
+        """Reason for which there is no model; empty where there is one."""
         if not self.model.outputs:
             return "no output is linear here"
         return self.model.verdict if self.model.error > LIMIT else ""

@@ -147,7 +147,7 @@ class Orbit:
 
     @property
     def verdict(self) -> str:
-        """What can be seen of the state, in words."""
+        """Observability of the state, in words."""
         if self.rest <= UNSEEN and not self.known:
             return (
                 f"the largest multiplier changes by a factor of {math.exp(min(self.spread, 700.0)):.3g} with one more "
@@ -297,7 +297,7 @@ class Repeated:
         return Slope.of(self.rig, name, log, lambda starts: float(self.again(Altered(), starts).logs[0].real))
 
     def decays(self, altered: Altered, starts: Starts) -> bool:
-        """Whether the largest multiplier is below 1, or twice the one without change where that is more."""
+        """Returns whether the largest multiplier is below 1, or twice the one without change where that is more."""
         return self.again(altered, starts).decay < max(1.0, 2.0 * self.nominal.decay)
 
 

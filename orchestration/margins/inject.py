@@ -29,7 +29,7 @@ _BEYOND = 10**8
 
 @dataclass(frozen=True)
 class Altered:
-    """What is wrong with a signal on its way, as a margin counts it."""
+    """Change of a signal on its way, as a margin counts it."""
 
     gain: float = 1.0
     delay: int = 0
@@ -149,7 +149,7 @@ class Rig:
 
 
 class _Given:
-    """What a flight is given, and what comes back."""
+    """Inputs of a flight, and what comes back."""
 
     def __init__(
         self,

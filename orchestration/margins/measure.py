@@ -48,7 +48,7 @@ _LATER = 0.13
 
 @dataclass
 class Response:
-    """What was measured at a site. Rows are frequencies; `S` (lines, channels, channels), S = (I + L)^-1."""
+    """Response measured at a site. Rows are frequencies; `S` (lines, channels, channels), S = (I + L)^-1."""
 
     labels: list[str]
     omega: Floats

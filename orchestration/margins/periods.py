@@ -80,8 +80,8 @@ class Followed:
 
     @property
     def decay(self) -> float:
-        """What is left of a disturbance after the last period: the largest multiplier where the loop repeats, else the
-        ratio. NaN where there is no number."""
+        """Part of a disturbance that is left after the last period: the largest multiplier where the loop repeats, else
+        the ratio. NaN where there is no number."""
         if self.refused:
             return math.nan
         last = self.windows[-1]
@@ -94,7 +94,7 @@ class Followed:
 
     @property
     def refused(self) -> str:
-        """Why there is no number, or nothing."""
+        """Reason for which there is no number, or nothing."""
         if self.error > LIMIT:
             sizes = [size for size, _ in self.tried]
             return (
@@ -151,7 +151,7 @@ class Window:
 
     @property
     def rest(self) -> float:
-        """What of the second period the map leaves, beside its size: small where the loop repeats."""
+        """Part of the second period that the map leaves, over its size: small where the loop repeats."""
         return self._map[1]
 
     @cached_property

@@ -40,7 +40,7 @@ Holds = Callable[[Altered, Starts], bool]
 
 @dataclass(frozen=True)
 class Change:
-    """What is changed, from the value at which the loop is known to hold."""
+    """A change from the value at which the loop is known to hold."""
 
     name: str
     """`gain`, `delay` (s), or a parameter as `block.parameter`."""

@@ -22,7 +22,7 @@ from .circuit import Circuit
 
 @dataclass
 class Inputs:
-    """Where a block's inputs come from: `values = bus[sources] * factors + offsets`."""
+    """Sources of a block's inputs: `values = bus[sources] * factors + offsets`."""
 
     sources: NDArray[np.intp]
     factors: Floats | None

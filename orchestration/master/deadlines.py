@@ -50,7 +50,7 @@ class Late:
 
 @dataclass
 class Pace:
-    """What a pacer has counted. Times in s of wall time, where nothing else is said."""
+    """Counts of a pacer. Times in s of wall time, where nothing else is said."""
 
     factor: float
     """Simulated seconds in a second."""
@@ -77,7 +77,7 @@ class Pace:
 
     @property
     def period(self) -> float:
-        """What a base step has."""
+        """Wall time of a base step."""
         return self.clock.step / self.factor
 
     def add(self, count: int, lateness: float, took: float, blocks: Mapping[str, float], waited: bool) -> Late:
@@ -109,7 +109,7 @@ class Pace:
 
     @property
     def jitter(self) -> Floats:
-        """How much the time between neighbouring instants differs from a base step, without pauses."""
+        """Differences of the time between neighbouring instants from a base step, without pauses."""
         lateness = np.concatenate([[0.0], self.lateness])
         steps = np.arange(len(self.lateness))
         return np.abs(np.diff(lateness))[~np.isin(steps, list(self.moved))]

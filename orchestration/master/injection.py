@@ -20,7 +20,7 @@ from .circuit import Circuit
 
 
 def at_start(faults: Faults, target: Node, value: float) -> float:
-    """What an input is given at 0 instead of `value`."""
+    """Returns what an input is given at 0 instead of `value`."""
     for fault in faults.disturbances:
         if fault.target == target and fault.span[0] == 0 and not fault.delayed:
             value = _disturbed(fault, value)
@@ -49,7 +49,7 @@ class Changes:
 
     @property
     def next(self) -> float:
-        """How many base steps are done when the next one is due."""
+        """Number of base steps that are done when the next one is due."""
         return self._left[0].due if self._left else math.inf
 
 
@@ -61,8 +61,9 @@ class _Change:
 
 
 class _Held:
-    """What a block is set to: the values of the timeline, and over them those of the faults that act, the latest on
-    top."""
+    """Values to which a block is set: the values of the timeline, and over them those of the faults that act, the
+    latest on top.
+    """
 
     def __init__(self, block: Block) -> None:
         self._block = block

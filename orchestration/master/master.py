@@ -32,7 +32,7 @@ _REPORT_EVERY = 0.05
 
 @dataclass(frozen=True)
 class Kept:
-    """Where a flight goes on from, in place of initialization."""
+    """State from which a flight goes on, in place of initialization."""
 
     count: int
     """Base steps that are done."""
@@ -42,7 +42,7 @@ class Kept:
 
 @dataclass(frozen=True)
 class Options:
-    """How the loop of a run goes; the results are the same."""
+    """Options of the loop of a run; the results are the same."""
 
     compiled: bool = True
     """Whether the loop in C is used where the blocks and this machine allow it."""

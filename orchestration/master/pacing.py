@@ -110,7 +110,7 @@ class Pacer:
         self._resumed = now()
 
     def _wait(self, due: float) -> bool:
-        """Whether the wait came to its end; an interrupt ends it before."""
+        """Returns whether the wait came to its end; an interrupt ends it before."""
         now, sleep_until = self._timepiece.now, self._timepiece.sleep_until
         while (slice_ := now() + _SLICE) < due:
             if self._interrupted:

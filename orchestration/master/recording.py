@@ -23,7 +23,7 @@ ROWS = 4096
 
 @dataclass
 class Recording:
-    """What was recorded, up to the end or to whatever ended the run."""
+    """Record up to the end, or to whatever ended the run."""
 
     time: Floats
     values: Floats

@@ -32,7 +32,7 @@ def _nothing(result: RunData) -> dict[str, Any]:
 
 @dataclass(repr=False)
 class RunData(Mapping[str, NDArray[Any]]):
-    """What a run recorded, by name as `Result` says; without the ways to keep it, which stand above."""
+    """Record of a run, by name as `Result` says; without the ways to keep it, which stand above."""
 
     scenario: Scenario
     models: Mapping[str, Model]

@@ -16,7 +16,7 @@ _COLUMNS = ("signal", "largest", "rms", "at, s", "unit")
 
 @dataclass(frozen=True)
 class Difference:
-    """Of one signal, over all its elements, in `unit`."""
+    """Difference of one signal, over all its elements, in `unit`."""
 
     largest: float
     """Of the magnitudes."""

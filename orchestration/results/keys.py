@@ -19,7 +19,7 @@ _GAP = 0.06
 
 @dataclass
 class Keys:
-    """What is drawn in the panels of a figure and is to be explained, each once, as text for Matplotlib."""
+    """Keys of what is drawn in the panels of a figure, each once, as text for Matplotlib."""
 
     phases: dict[str, dict[str, Any]] = field(default_factory=dict)
     """The colour of each phase by its name."""
@@ -101,7 +101,7 @@ def below(figure: Any, keys: Keys) -> None:
 
 
 def _colour(row: int) -> str:
-    """Of the bar of a fault."""
+    """Returns the colour of the bar of a fault."""
     return _FAULTS[row % len(_FAULTS)]
 
 

@@ -35,7 +35,7 @@ def target(folder: str | Path | None, scenario: Scenario) -> Path:
 
 
 class Result(RunData):
-    """What a run recorded.
+    """Record of a run.
 
     `result["plant.omega_B"]` has shape (n, 3), `result["plant.R_NB"]` (n, 3, 3),
     `result["plant.omega_B[2]"]` (n,); `result["plant.h_w", "mN.m.s"]` is in that unit; `result.time` (n,).

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 
 class Settling(NamedTuple):
-    """Of an error that is held against a limit."""
+    """Settling of an error that is held against a limit."""
 
     below: float
     time: float | None

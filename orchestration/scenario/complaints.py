@@ -15,7 +15,7 @@ T = TypeVar("T", bound=BaseModel)
 
 
 def checked(model: type[T], source: Source, context: Any = None) -> T:
-    """What the source holds, as this model. Raises InputError with a message for each thing that is wrong.
+    """Returns what the source holds, as this model. Raises InputError with a message for each thing that is wrong.
 
     `context` is the data of the scenario in whose cycles times are counted, by default those of the source.
     """
@@ -70,8 +70,9 @@ def _grouped(data: Any, details: list[Any]) -> list[tuple[Key | None, list[Any]]
 
 
 def _of_union(data: Any, detail: Any) -> Key | None:
-    """Where Pydantic's location goes on with the name of a kind of value, which is no key of the data: the key up to
-    there."""
+    """Returns where Pydantic's location goes on with the name of a kind of value, which is no key of the data: the key
+    up to there.
+    """
     location = detail["loc"]
     for i, part in enumerate(location):
         if (isinstance(data, dict) and part in data) or (

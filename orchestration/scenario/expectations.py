@@ -12,7 +12,7 @@ from .types import NUMBER_OR_TEXT, Model, Quantity, Time, quantity
 
 
 class Bound(Model):
-    """What a signal is held against; exactly one of these."""
+    """Bound against which a signal is held; exactly one of these."""
 
     below: Quantity | None = None
     """x < bound"""
@@ -39,7 +39,7 @@ class Bound(Model):
 
     @property
     def kind(self) -> str:
-        """Which of them it is."""
+        """The one that is given."""
         return self._only(*type(self).model_fields)
 
 
@@ -51,7 +51,7 @@ class _Signal(Model):
 
 
 class Span(Model):
-    """Which samples of a signal are looked at, and of a vector what."""
+    """Samples of a signal that are looked at, and of a vector what."""
 
     measure: Literal["element", "norm"] = "element"
     """Each element for itself, or the Euclidean norm of the vector."""
@@ -66,7 +66,7 @@ class Span(Model):
 
 
 class Expectation(Span, _Signal):
-    """What the run is expected to show. Exactly one of `always`, `ever` and `zeros`."""
+    """Expectation of a run. Exactly one of `always`, `ever` and `zeros`."""
 
     always: Bound | None = None
     """Every sample meets the bound."""

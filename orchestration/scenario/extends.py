@@ -90,7 +90,7 @@ def _anchor(part: Source, folder: Path) -> None:
 
 
 def _paths(data: dict[str, Any]) -> Iterator[tuple[Any, Any]]:
-    """Where a path stands in a scenario or campaign: what holds it, and its key there."""
+    """Returns where a path stands in a scenario or campaign: what holds it, and its key there."""
     blocks = data.get("blocks")
     for entry in blocks.values() if isinstance(blocks, dict) else ():
         for key in ("fmu", "interface", "map", "python") if isinstance(entry, dict) else ():
@@ -214,8 +214,9 @@ def _forget(source: Source, key: Key, value: Any) -> None:
 
 
 def _is_value(place: Key) -> bool:
-    """Whether a value or a distribution stands here, which is replaced as a whole also where it is written as names
-    with values."""
+    """Returns whether a value or a distribution stands here, which is replaced as a whole also where it is written as
+    names with values.
+    """
     if place[:1] == ("scenario",):
         place = place[1:]
     return (len(place) == 2 and place[0] in ("shared", "set", "draw", "vary")) or (

@@ -11,7 +11,7 @@ from .types import Model, Time, Value
 
 
 class Fault(Model):
-    """What goes wrong at some time. Exactly one of `set`, `freeze`, `bias` and `cut`.
+    """A fault from some time on. Exactly one of `set`, `freeze`, `bias` and `cut`.
 
     All but `set` change what the receivers of a signal are given: all of them where the signal is an output, one of
     them where it is an input. The block that gives the signal, and what is recorded of it, stay as they are.
@@ -60,7 +60,7 @@ class Fault(Model):
 
 
 def sentence(fault: Fault, unit: str = "") -> str:
-    """What goes wrong and when, in words; `unit` is that of its numbers."""
+    """Returns what goes wrong and when, in words; `unit` is that of its numbers."""
     unit = f" {unit}" if unit else ""
     what = {
         "set": f"{fault.set}{unit}",

@@ -67,7 +67,7 @@ _Offset = Annotated[Any, BeforeValidator(_offset, json_schema_input_type=float |
 
 
 class PortMap(Model):
-    """How one port or parameter of theirs stands to ours: theirs = matrix (scale ours) + offset."""
+    """Relation of a port or parameter of theirs to ours: theirs = matrix (scale ours) + offset."""
 
     theirs: _Names
     """Their name; of a vector of ours also the names of their scalars, in the order of our elements."""
@@ -128,7 +128,7 @@ _Port = Annotated[PortMap, BeforeValidator(_port, json_schema_input_type=str | l
 
 
 class Mapping(Model):
-    """How another team's FMU stands in a block's place."""
+    """Description of how another team's FMU stands in a block's place."""
 
     file: Annotated[str, Field(strict=True, min_length=1)] | None = None
     """A file that holds the mapping, relative to the scenario; nothing else then stands here."""

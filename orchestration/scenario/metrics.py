@@ -51,7 +51,7 @@ class Metric(Span):
 
     @property
     def kind(self) -> str:
-        """Which of the five it is."""
+        """The one of five that is given."""
         return self._only("statistic", *BOUNDS, "python")
 
 

@@ -45,7 +45,7 @@ class OrbitEntry(Model):
 
 
 class Ephemeris(NamedTuple):
-    """What a registered package makes of element sets at some times."""
+    """Ephemeris that a registered package makes of element sets at some times."""
 
     columns: dict[str, tuple[str, NDArray[np.float64]]]
     """By ports, with units; (n, elements)."""

@@ -18,7 +18,7 @@ _REFERENCE = re.compile(r"([A-Za-z_]\w*)\.(\S.*)", re.DOTALL)
 
 
 class _Text(str):
-    """What Pydantic makes of text by calling the class, which raises ValueError where the text is no such thing."""
+    """Text that Pydantic checks by calling the class, which raises ValueError where the text is no such thing."""
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

@@ -87,7 +87,7 @@ class BlockEntry(Model):
 
 
 class Record(Model):
-    """What is recorded, and how often."""
+    """Signals that are recorded, and how often."""
 
     interval: Period | None = None
     """Time from sample to sample, a multiple of the base step, which is the default."""
@@ -96,7 +96,7 @@ class Record(Model):
 
 
 class Data(Model):
-    """What a data sheet says that no block takes."""
+    """Values of a data sheet that no block takes."""
 
     mass: Mass | None = None
     """In kg, or as text with a unit. `orchestrate plausible`, `review` and the notes of a run compare it with the
@@ -184,7 +184,7 @@ class Scenario(Extending):
         return self._source
 
     def given(self, block: str) -> dict[str, Key]:
-        """Where the start values of a block stand, by variable: its own go before the shared ones."""
+        """Returns where the start values of a block stand, by variable: its own go before the shared ones."""
         shared: dict[str, Key] = {name.variable: ("shared", name) for name in self.shared}
         return shared | {name.variable: ("blocks", block, "start", name) for name in self.blocks[block].start}
 

@@ -39,7 +39,7 @@ class StartName(NamedTuple):
 
     @property
     def key(self) -> Key:
-        """Where it stands in a scenario."""
+        """Its key in a scenario."""
         return ("shared", self.variable) if self.shared else ("blocks", self.block, "start", self.variable)
 
 
@@ -63,7 +63,9 @@ class Source:
     """What a run should tell of data that were put in the place of others."""
 
     def lies_under(self, key: Key, other: Key) -> bool:
-        """Whether what stands at a key could be known where the other was written: in its file, or in one under it."""
+        """Returns whether what stands at a key could be known where the other was written: in its file, or in one under
+        it.
+        """
         if other in self.options or (file := self.files.get(other, self.file)) == self.file:
             return True
         return key not in self.options and self.files.get(key, self.file) in {file, *self.under.get(file or "", ())}

@@ -14,7 +14,7 @@ Phase = Annotated[str, Field(strict=True, pattern=r"^\w([\w .-]*[\w.-])?$")]
 
 
 class TimelineEntry(Model):
-    """What happens at a time: values for inputs that are not connected, the beginning of a phase, or both."""
+    """Event at a time: values for inputs that are not connected, the beginning of a phase, or both."""
 
     at: Time
     """When; the blocks' next steps see it."""
@@ -45,7 +45,7 @@ class Phases(Model):
 
 
 def sentence(entry: TimelineEntry) -> str:
-    """What happens and when, in words."""
+    """Returns what happens and when, in words."""
     parts = [f"{name} = {_shown(value)}" for name, value in entry.set.items()]
     if entry.phase is not None:
         parts.insert(0, f"phase '{entry.phase}'")

@@ -24,7 +24,7 @@ from .session import Session
 
 @dataclass(frozen=True)
 class Flown:
-    """What came of a run."""
+    """Outcome of a run."""
 
     reason: str | None
     """Why it failed; None where it came to its end."""

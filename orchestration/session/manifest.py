@@ -44,7 +44,7 @@ _PACKAGES = ("attitude-cosim", "fmpy", "numpy", "pydantic")
 
 
 def described(plan: Plan, fmus: Mapping[str, Fmu], handed_on: Mapping[str, Mapping[Element, Any]]) -> dict[str, Any]:
-    """What a manifest says of all runs of a plan.
+    """Returns what a manifest says of all runs of a plan.
 
     `handed_on` are the start values of adapted blocks, by their elements.
     """

@@ -45,7 +45,7 @@ class Opened:
 
     @cached_property
     def described(self) -> dict[str, Any]:
-        """What a manifest says of it, whatever comes of a run."""
+        """Entry of it in a manifest, whatever comes of a run."""
         return described(self.plan, self.fmus, self.prepared.handed_on(self.plan.starts))
 
     def adapted(self, block: Block) -> Block:
@@ -170,7 +170,7 @@ def _refuse_second(scenario: Scenario, fmus: dict[str, Fmu]) -> None:
 
 
 def _not_valid(scenario: Scenario, fmus: dict[str, Fmu]) -> list[str]:
-    """What is not valid in the descriptions of FMUs that run all the same, by `validation: lenient`."""
+    """Returns what is not valid in the descriptions of FMUs that run all the same, by `validation: lenient`."""
     return [
         scenario.note(
             ("blocks", name, "validation"), f"{shown(fmu.path)}: modelDescription.xml is not valid: {problem}"

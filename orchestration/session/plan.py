@@ -97,7 +97,7 @@ def _wired(scenario: Scenario, models: Mapping[str, Model], feedthrough: Hook | 
 
 
 def _together(*checks: Callable[[], Any]) -> list[Any]:
-    """What the checks return. Raises InputError with the errors of all of them."""
+    """Returns what the checks return. Raises InputError with the errors of all of them."""
     returned: list[Any] = []
     with Problems() as problems:
         for check in checks:

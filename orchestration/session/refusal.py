@@ -41,7 +41,7 @@ def _named(line: str, names: Container[str]) -> re.Match[str] | None:
 
 
 def _begins(line: str, match: re.Match[str]) -> bool:
-    """Whether the sentence begins with the match; before it may stand calls and kinds of errors."""
+    """Returns whether the sentence begins with the match; before it may stand calls and kinds of errors."""
     return re.fullmatch(r"(?:[\w ]+: )*", line[: match.start()]) is not None
 
 

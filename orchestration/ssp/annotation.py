@@ -25,7 +25,7 @@ BLOCK_KEYS = ("every",)
 
 
 def annotation(path: Path, root: Any, blocks: Iterable[str]) -> dict[str, Any]:
-    """What it says, with an entry `blocks`; nothing where there is none. Raises InputError."""
+    """Returns what it says, with an entry `blocks`; nothing where there is none. Raises InputError."""
     places = ("ssd:System/ssd:Annotations/ssc:Annotation", "ssd:Annotations/ssc:Annotation")
     entries = (entry for place in places for entry in root.findall(place, NAMESPACES))
     entry = next((entry for entry in entries if entry.get("type") == ANNOTATION), None)

@@ -189,7 +189,9 @@ def _check_transformation(
 
 
 def _changed(stated: float | None, annotated: Any) -> bool:
-    """Whether a tool has given the archive another duration than the annotation's; not where that counts cycles."""
+    """Returns whether a tool has given the archive another duration than the annotation's; not where that counts
+    cycles.
+    """
     if stated is None or annotated is None:
         return False
     try:

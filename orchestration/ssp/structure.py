@@ -40,7 +40,7 @@ class Given:
 
 @dataclass
 class Structure:
-    """What the tree of systems holds, laid flat."""
+    """Content of the tree of systems, laid flat."""
 
     components: dict[Path_, str] = field(default_factory=dict)
     """Where the FMU of each component stands in the archive."""
@@ -239,7 +239,7 @@ def _unit(entry: Any) -> Unit:
 
 
 def read(path: Path, folder: Path, system: Any) -> Structure:
-    """What the outermost system of an unpacked archive holds. Raises InputError."""
+    """Returns what the outermost system of an unpacked archive holds. Raises InputError."""
     structure = Structure(where=str(shown(path)))
     _System(path, folder, structure).read(system, ())
     return structure

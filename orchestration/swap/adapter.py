@@ -138,7 +138,7 @@ class Adapter(NamedValues):
         return sorted(elements, key=lambda e: TYPES.index(self._their_type(e)))
 
     def _fetched(self, element: Element) -> bool:
-        """Whether it comes from theirs; inputs, and what cannot be turned back, are as they were handed in."""
+        """Returns whether it comes from theirs; inputs, and what cannot be turned back, are as they were handed in."""
         link = self._links.get(element.variable)
         return link is not None and link.ours.causality != "input" and (link.A is None or link.B is not None)
 

@@ -69,7 +69,7 @@ class Link:
 
 @dataclass
 class Fit:
-    """What stands for what, and everything that was fitted."""
+    """Correspondence of ports, and everything that was fitted."""
 
     reference: Interface
     theirs: Model
@@ -131,7 +131,7 @@ def is_identity(A: Floats) -> bool:
 
 
 def unfed(finding: Finding) -> bool:
-    """Whether it is about an input that only a scenario can feed: there the wiring decides."""
+    """Returns whether it is about an input that only a scenario can feed: there the wiring decides."""
     return finding.topic == "extra" and finding.level == "error"
 
 
@@ -155,5 +155,5 @@ def named(model: Model, elements: Sequence[Element]) -> str:
 
 
 def may_stay_unconnected(fitted: Fit, link: Link) -> bool:
-    """Whether theirs may do without what feeds an input of ours."""
+    """Returns whether theirs may do without what feeds an input of ours."""
     return all(fitted.theirs.variables[element.variable].optional for element in link.theirs)

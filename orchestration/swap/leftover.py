@@ -141,8 +141,9 @@ def _started(fitted: Fit, variable: Variable, name: Name, value: Any, taken: Map
 
 
 def _connection(fitted: Fit, variable: Variable) -> str:
-    """How a mapping connects an input: to the output of a similar name, or else with those named that have its unit
-    and shape."""
+    """Returns how a mapping connects an input: to the output of a similar name, or else with those named that have its
+    unit and shape.
+    """
     outputs = ((block, v) for block, kind in fitted.reference.others.items() for v in kind.of("output"))
     alike = {
         v.name: f"{block}.{v.name}" for block, v in outputs if v.shape == variable.shape and _unit_fits(v, variable)

@@ -71,7 +71,7 @@ class NamedValues(Front):
         return [(link.theirs[row], float(values[row])) for row in rows]
 
     def _value(self, element: Element) -> Any:
-        """What one of ours was last given."""
+        """Returns what one of ours was last given."""
         at = self._place.get(element)
         if at is not None:
             return self._ours[at]
@@ -125,7 +125,7 @@ class NamedValues(Front):
 
 
 def handed_on(fit: Fit, starts: Iterable[tuple[Element, Any]]) -> dict[Element, Any]:
-    """What theirs is given for start values of ours, by their elements; those of the mapping among them."""
+    """Returns what theirs is given for start values of ours, by their elements; those of the mapping among them."""
     recorder: Any = _Recorder()
     recorder.set(fit.start.items())
     NamedValues(recorder, fit).set(starts)

@@ -132,7 +132,7 @@ def _starts_without(prepared: Prepared, name: str, entry: BlockEntry, fitted: Fi
 
 
 def _notes(fitted: Fit, entry: BlockEntry) -> list[str]:
-    """What a user should know of a fit, in few lines."""
+    """Returns what a user should know of a fit, in few lines."""
     notes = [finding.text for finding in fitted.findings if finding.level == "warning"]
     if fitted.ignored:
         names = [f"{ours.causality} {name}" for name, ours in fitted.ignored.items()]

@@ -40,6 +40,6 @@ class Prepared:
         return block if fit is None or fit.identical else Adapter(block, fit)
 
     def handed_on(self, starts: Mapping[str, Sequence[Start]]) -> dict[str, dict[Element, Any]]:
-        """What the adapted blocks are given for a scenario's start values, by their own elements."""
+        """Returns what the adapted blocks are given for a scenario's start values, by their own elements."""
         adapted = {name: fit for name, fit in self.fits.items() if not fit.identical}
         return {name: handed_on(fit, [(s.element, s.value) for s in starts[name]]) for name, fit in adapted.items()}

@@ -47,7 +47,7 @@ def settle(prepared: Prepared) -> None:
 
 
 def _left_out(prepared: Prepared, problems: Problems) -> dict[Key, None]:
-    """What of records, expectations, holds and figures refers to outputs that are not there."""
+    """Returns what of records, expectations, holds and figures refers to outputs that are not there."""
     scenario = prepared.scenario
     gone: dict[Key, None] = {}
     lost: dict[str, None] = {}
@@ -95,7 +95,7 @@ def _empty(scenario: Scenario, gone: dict[Key, None]) -> None:
 
 
 def _lacks(prepared: Prepared, output: Reference) -> bool:
-    """Whether a swapped block does not give this output."""
+    """Returns whether a swapped block does not give this output."""
     fitted, name = prepared.fits.get(output.block), output.variable
     return (
         fitted is not None
@@ -105,7 +105,7 @@ def _lacks(prepared: Prepared, output: Reference) -> bool:
 
 
 def _unconnected(prepared: Prepared) -> list[Key]:
-    """What a scenario says of optional inputs that a swapped block lacks, or to which one gives nothing."""
+    """Returns what a scenario says of optional inputs that a swapped block lacks, or to which one gives nothing."""
     scenario = prepared.scenario
     keys: list[Key] = []
     dropped: list[str] = []

@@ -33,12 +33,12 @@ def faults(scenario: Scenario, end: float = math.inf) -> list[Fault]:
 
 
 def fault_sentences(scenario: Scenario, models: Mapping[str, Model], end: float = math.inf) -> list[str]:
-    """What goes wrong before `end`, s, and when, in words."""
+    """Returns what goes wrong before `end`, s, and when, in words."""
     return [sentence(fault, _unit(fault, models)) for fault in faults(scenario, end)]
 
 
 def timeline_sentences(scenario: Scenario, end: float = math.inf) -> list[str]:
-    """What the timeline does before `end`, s, and when, in words."""
+    """Returns what the timeline does before `end`, s, and when, in words."""
     return [
         timeline.sentence(entry.model_copy(update={"at": _in_force(scenario, entry.at)}))
         for entry in scenario.timeline

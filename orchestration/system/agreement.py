@@ -92,7 +92,9 @@ class _Stated:
         self.plain = [v * factor + offset if variable.type == "real" else names.get(v, _instant(v)) for v in values]
 
     def agrees(self, other: _Stated) -> bool:
-        """Whether the values are the same to nine figures of the largest; those of another shape are not compared."""
+        """Returns whether the values are the same to nine figures of the largest; those of another shape are not
+        compared.
+        """
         if len(self.plain) != len(other.plain) or (self.variable.type == "real") != (other.variable.type == "real"):
             return True
         return not self.differing(other)

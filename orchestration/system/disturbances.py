@@ -45,7 +45,8 @@ class Disturbance:
     """Of the fault in the scenario."""
 
     def behind(self, parallel: bool, places: Mapping[str, int]) -> int:
-        """How many base steps before the instant at which the receiver's step ends the value belongs to: 0 or 1.
+        """Returns how many base steps before the instant at which the receiver's step ends the value belongs to: 0 or
+        1.
 
         What is stepped later in the same base step, or gives its values delayed, is a step behind; `places` of the
         blocks.
@@ -82,7 +83,7 @@ def acting(
 
 
 def _is_seen(scenario: Scenario, disturbance: Disturbance, places: Mapping[str, int]) -> bool:
-    """Whether the receiver is given a value of the span: at the start or by a step."""
+    """Returns whether the receiver is given a value of the span: at the start or by a step."""
     (first, last), behind = disturbance.span, disturbance.behind(scenario.exchange == "parallel", places)
     every, (steps, _) = scenario.blocks[disturbance.target.block].every, steps_to(scenario, scenario.duration)
     end = max(-(-(first + behind) // every), 1) * every
@@ -129,7 +130,7 @@ def _ends(wiring: Wiring) -> Iterable[tuple[Link, Node, Node]]:
 
 
 def _values(fault: Fault, reference: str, variable: Variable, positions: Sequence[int]) -> list[float]:
-    """What each element is biased by, or given instead; in the unit of the variable."""
+    """Returns what each element is biased by, or given instead; in the unit of the variable."""
     shape = variable.shape if len(positions) == variable.size else ()
     if fault.kind == "bias":
         if variable.type not in ("real", "integer"):

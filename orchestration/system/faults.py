@@ -95,7 +95,8 @@ def count_of(scenario: Scenario, key: Key, time: float, notes: list[str]) -> int
 
 
 def is_unseen(scenario: Scenario, key: Key, time: float, made: Setting, late: str, notes: list[str]) -> bool:
-    """Whether the last step of its block has begun before: a note of what is `late` where an option shortened the run.
+    """Returns whether the last step of its block has begun before: a note of what is `late` where an option shortened
+    the run.
 
     Raises InputError where none did.
     """

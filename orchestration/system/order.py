@@ -98,7 +98,7 @@ def cycle(graph: Mapping[Node, list[Node]], group: list[Node]) -> list[Node]:
 
 
 def _drop_assumed_loops(graph: Graph) -> list[str]:
-    """Where only assumed dependencies close a loop, they are taken not to be there."""
+    """Leaves out assumed dependencies where only they close a loop; returns warnings."""
     warnings = []
     for group in components({node: list(needs) for node, needs in graph.items()}):
         members = set(group)

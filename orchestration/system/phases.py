@@ -22,7 +22,7 @@ from .wiring import Node
 
 @dataclass(frozen=True)
 class Phase:
-    """When a phase lasts: from the beginning of a window, included, to its end, excluded; or while the signal has the
+    """Duration of a phase: from the beginning of a window, included, to its end, excluded; or while the signal has the
     value."""
 
     spans: tuple[tuple[float, float], ...] = ()
@@ -30,7 +30,7 @@ class Phase:
     value: float = 0.0
 
     def chosen(self, time: Floats, columns: Mapping[Node, Floats]) -> NDArray[np.bool_]:
-        """Which samples (n,) are of the phase."""
+        """Returns which samples (n,) are of the phase."""
         if self.signal is not None:
             return columns[self.signal] == self.value
         early = time + slack(time)

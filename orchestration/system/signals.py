@@ -18,7 +18,7 @@ from .wiring import Node
 
 
 class Places(Protocol):
-    """What knows where each part of a file stands: a scenario, or the source of another file."""
+    """Object that knows where each part of a file stands: a scenario, or the source of another file."""
 
     def error(self, key: Key, text: str = "", **fields: Unpack[Fields]) -> Problem:
         """Returns an error at the place of a key."""

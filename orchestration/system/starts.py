@@ -52,7 +52,9 @@ def resolve(
 
 
 def taken(model: Model, name: Name) -> Name | None:
-    """What a block calls a shared value: its parameter of this quantity, or of this name; None where it has none."""
+    """Returns what a block calls a shared value: its parameter of this quantity, or of this name; None where it has
+    none.
+    """
     if name.variable in model.helpers:
         return name
     of = {v.quantity: v for v in model.of("parameter") if v.quantity}
@@ -96,7 +98,7 @@ class _Layer:
 
 
 class _Given:
-    """What a scenario gives a block; errors are collected."""
+    """Start values that a scenario gives a block; errors are collected."""
 
     def __init__(self, scenario: Scenario, block: str, model: Model) -> None:
         self.scenario, self.block, self.model = scenario, block, model

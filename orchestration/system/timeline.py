@@ -56,8 +56,9 @@ def settings(scenario: Scenario, models: Mapping[str, Model], wiring: Wiring) ->
 
 
 def _is_late(scenario: Scenario, key: Key, entry: TimelineEntry, problems: Problems, notes: list[str]) -> bool:
-    """Whether the run is over before a step could see the entry: an error, or a note where an option shortened the
-    run."""
+    """Returns whether the run is over before a step could see the entry: an error, or a note where an option shortened
+    the run.
+    """
     if entry.at < scenario.duration:
         return False
     if ("duration",) in scenario.source.options:

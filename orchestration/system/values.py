@@ -169,7 +169,7 @@ def _bare(variable: Variable, value: Any, low: float, high: float) -> str:
 
 
 def _is(text: str, number: float, unit: str) -> bool:
-    """Whether a text gives this number in this unit, or in none."""
+    """Returns whether a text gives this number in this unit, or in none."""
     try:
         return float(text.strip().removesuffix(unit.strip())) == number
     except ValueError:

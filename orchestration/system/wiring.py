@@ -51,7 +51,7 @@ class _End(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Of the whole, or of the element whose unit is looked at."""
+        """Name of the whole, or of the element whose unit is looked at."""
         alone = len(self.positions) == 1 < self.variable.size and self.own
         return f"{self.block}.{self.variable.label(self.positions[0]) if alone else self.variable.name}"
 

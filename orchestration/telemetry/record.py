@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 @dataclass
 class Seen:
-    """What the rows of a record were like."""
+    """Properties of the rows of a record."""
 
     rows: int = 0
     first: float = np.nan
@@ -44,7 +44,7 @@ class Seen:
     """The longest time between two rows, and the line behind it."""
 
     def notes(self) -> list[str]:
-        """What a user should know of them."""
+        """Returns what a user should know of them."""
         found = []
         for lines, what in ((self.repeated, "repeat an instant"), (self.disordered, "are older than one before")):
             if lines:

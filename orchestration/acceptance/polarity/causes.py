@@ -37,7 +37,7 @@ _NOISE_SHARE, _CORRELATION = 1.0, 4.0
 
 @dataclass(frozen=True)
 class Cause:
-    """What explains the difference of an output, or of all outputs."""
+    """Explanation of the difference of an output, or of all outputs."""
 
     kind: str
     where: str
@@ -55,7 +55,7 @@ class Cause:
 
 
 class _Found(NamedTuple):
-    """What explains an element's difference, and what is left of it (n,)."""
+    """Explanation of an element's difference, and what is left of it (n,)."""
 
     kind: str
     size: float
@@ -108,12 +108,12 @@ def causes_of(name: str, ours: Floats, theirs: Floats, time: Floats, unit: Unit 
 
 
 def _is_same(one: Cause | _Found, kind: str, size: float) -> bool:
-    """Whether a cause is of this kind, and of this size as near as it is known from another element."""
+    """Returns whether a cause is of this kind, and of this size as near as it is known from another element."""
     return one.kind == kind and bool(np.isclose(one.size, size, rtol=_SPREAD.get(kind, 0.02)))
 
 
 def _apart(cause: Cause, text: str) -> bool:
-    """Whether elements stick at values of their own, which are told one by one."""
+    """Returns whether elements stick at values of their own, which are told one by one."""
     return cause.kind == "stuck" and cause.text != text
 
 
@@ -317,7 +317,7 @@ def _noise(s: Series) -> list[_Found]:
 
 
 def _is_single(s: Series, size: float) -> bool:
-    """Whether theirs holds numbers of single precision only, and is ours to what computing in it leaves."""
+    """Returns whether theirs holds numbers of single precision only, and is ours to what computing in it leaves."""
     difference = np.abs(s.theirs - s.ours)
     near = bool((difference <= _SINGLE * size).all())
     return near and bool((s.theirs.astype(np.float32).astype(float) == s.theirs).all()) and bool(difference.any())

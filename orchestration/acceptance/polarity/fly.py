@@ -35,7 +35,7 @@ _SOON = 16
 
 @dataclass(frozen=True)
 class Found:
-    """What shows a wrong wiring: an expectation, a consistency check, or a block that refuses it."""
+    """Sign of a wrong wiring: an expectation, a consistency check, or a block that refuses it."""
 
     how: str
     """expectation, consistency or refused."""

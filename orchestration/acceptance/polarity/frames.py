@@ -54,7 +54,7 @@ Rest = Callable[[Inputs | None], tuple[tuple[Cause, ...], float]]
 
 @dataclass(frozen=True)
 class Reading:
-    """How inputs are read: `read` gives those that change, of all inputs (n, elements), times (n,) s and unknowns."""
+    """A reading of inputs: `read` gives those that change, of all inputs (n, elements), times (n,) s and unknowns."""
 
     where: str
     read: Callable[[Inputs, Floats, Floats], dict[str, Floats]]

@@ -43,7 +43,7 @@ Changes = dict[str, Wrong]
 
 @dataclass(frozen=True)
 class Score:
-    """How far theirs is from ours, and the changes of the outputs that bring it nearest."""
+    """Distance of theirs from ours, and the changes of the outputs that bring it nearest."""
 
     error: float
     """The mean over the outputs of the rms of the difference, over that of ours; 1 is as bad as zeros."""

@@ -24,7 +24,7 @@ SAME = 1e-9
 
 @dataclass(frozen=True)
 class Unobservable:
-    """Why nothing shows a wrong wiring, and the remedy."""
+    """Reason for which nothing shows a wrong wiring, and the remedy."""
 
     reason: str
     remedy: str

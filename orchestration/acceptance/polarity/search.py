@@ -56,7 +56,7 @@ SECONDS = 20.0
 
 @dataclass(frozen=True)
 class Identified:
-    """What explains how theirs differs from ours."""
+    """Explanation of how theirs differs from ours."""
 
     inputs: Changes
     """By input: the wrong wiring that theirs behaves as."""
@@ -90,7 +90,7 @@ class Identified:
 
     @property
     def said(self) -> int:
-        """How many things are stated, as one those that several ports have in common."""
+        """Number of things that are stated, as one those that several ports have in common."""
         turns = {key_of(wrong) for wrong in self.inputs.values()}
         return len(turns) + len(self.outputs) + len({(c.kind, c.where.partition("[")[0]) for c in self.causes})
 
@@ -451,7 +451,7 @@ class Search(Identifier):
 
 
 def _of_the_angle(reading: Reading, changes: Changes) -> bool:
-    """Whether a wiring turns an input about the Earth's axis, as the angle of the reading does."""
+    """Returns whether a wiring turns an input about the Earth's axis, as the angle of the reading does."""
     read = [changes[n].matrix for n in reading.where.split(" and ") if n in changes and len(reading.starts) > 1]
     turns = [M for M in read if M is not None and M.shape == (3, 3) and np.linalg.det(M) > 0.0]
     return any(np.allclose(M[2], (0.0, 0.0, 1.0)) for M in turns)
@@ -462,7 +462,7 @@ def _names(changes: Changes) -> dict[str, str]:
 
 
 def _is_silent(outputs: Mapping[str, Floats]) -> bool:
-    """Whether nothing ever comes out: any wrong wiring that leads there would explain it."""
+    """Returns whether nothing ever comes out: any wrong wiring that leads there would explain it."""
     return not any(values.any() for values in outputs.values())
 
 

@@ -39,7 +39,7 @@ class Reading:
 
     @property
     def sign(self) -> str:
-        """Which way it goes: +, -, or 0 where it is to stay."""
+        """Its direction: +, -, or 0 where it is to stay."""
         change = self.after - self.before
         return "0" if abs(change) <= self.tolerance else "+" if change > 0 else "-"
 

@@ -85,7 +85,7 @@ def frames_of(variable: Variable) -> list[str]:
 
 
 def left_handed(wrong: Wrong) -> bool:
-    """Whether it mirrors a vector of three, but for one of the opposite sign."""
+    """Returns whether it mirrors a vector of three, but for one of the opposite sign."""
     M = wrong.matrix
     return (
         M is not None and M.shape == (3, 3) and float(np.linalg.det(M)) < 0.0 and not (M[0, 0] * np.eye(3) == M).all()

@@ -28,7 +28,7 @@ _NUMBERS_MAX = 10**9
 
 @dataclass
 class Design:
-    """Which points; `points` gives them by the indices of the runs."""
+    """Choice of points; `points` gives them by the indices of the runs."""
 
     sampling: str
     seed: int

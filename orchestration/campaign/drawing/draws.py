@@ -220,7 +220,7 @@ def _draw(
 
 
 def _numbers(sampler: samplers.Sampler | Expression) -> bool:
-    """Whether all values are numbers of one shape."""
+    """Returns whether all values are numbers of one shape."""
     values = [] if isinstance(sampler, Expression) else examples(sampler)
     return all(numbers_only(value) and np.shape(value) == np.shape(values[0]) for value in values)
 

@@ -15,7 +15,7 @@ from . import samplers
 
 
 def numbers_only(value: Any) -> bool:
-    """Whether it is a number, or a list of numbers."""
+    """Returns whether it is a number, or a list of numbers."""
     leaves = value if isinstance(value, list) else [value]
     return all(isinstance(x, float | int) and not isinstance(x, bool) for x in leaves) and bool(leaves)
 

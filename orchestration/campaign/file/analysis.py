@@ -12,7 +12,7 @@ Count = Annotated[int, Field(strict=True)]
 
 
 class Sensitivity(Model):
-    """Which varied entries a metric depends on, by runs of a design of their own."""
+    """The varied entries on which a metric depends, by runs of a design of their own."""
 
     method: Literal["sobol", "morris"] = "sobol"
     """sobol: shares of the variance (Saltelli's design); morris: mean effects, for many entries and few runs."""

@@ -22,7 +22,7 @@ Variable = Annotated[str, Field(pattern=r"^[A-Za-z_]\w*$")]
 
 
 class Requirement(Model):
-    """What a share of all runs has to meet: a bound on a metric, or an expectation of the scenario."""
+    """Requirement on a share of all runs: a bound on a metric, or an expectation of the scenario."""
 
     name: str = Field(strict=True, min_length=1)
     """A sentence that reads well in the table at the end."""

@@ -95,7 +95,7 @@ class Batches:
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a campaign stands."""
+    """State of a campaign."""
 
     flown: int
     """Runs that are there, those of an earlier start included."""
@@ -136,5 +136,5 @@ def seconds(rows: RunRows) -> float:
 
 
 def foreign(job: Job) -> bool:
-    """Whether an FMU is not this project's, so that it is not known whether it resets itself."""
+    """Returns whether an FMU is not this project's, so that it is not known whether it resets itself."""
     return any(is_path(entry.fmu) for entry in job.opened.plan.scenario.blocks.values())

@@ -15,7 +15,7 @@ SHARE = 0.02
 
 
 class Checks:
-    """Which flights are to be checked, and which have been."""
+    """Flights to be checked, and those that have been."""
 
     def __init__(self, seed: int, unchecked: Iterable[Sequence[int]] = ()) -> None:
         """`unchecked` are the flights of pilots of an earlier start."""

@@ -18,7 +18,7 @@ from .job import Job, RunRows, differing
 
 
 class Flights:
-    """Who flies, and which flights have been checked."""
+    """The pilots, and the flights that have been checked."""
 
     def __init__(
         self,

@@ -32,7 +32,7 @@ class Code:
 
     @property
     def sha256(self) -> str:
-        """Of its text; of an installed module, of the file that was imported."""
+        """Returns the digest of its text; of an installed module that of the file that was imported."""
         content = self.text.encode() if self.text is not None else Path(self.file).read_bytes() if self.file else b""
         return hashlib.sha256(content).hexdigest()
 

@@ -52,7 +52,7 @@ class CheckedRequirement(Requirement):
         return low if math.isfinite(low) else None, high if math.isfinite(high) else None
 
     def met(self, metrics: Sequence[float | None], expectations: Mapping[str, bool]) -> bool:
-        """Whether a run with these metrics and expectations meets it."""
+        """Returns whether a run with these metrics and expectations meets it."""
         if self.expectation is not None:
             return expectations.get(self.expectation, False)
         assert self.metric is not None
@@ -144,7 +144,9 @@ class Pilot:
         return failed(self.job, index, reason, cells, perf_counter() - begun)
 
     def resets(self) -> bool:
-        """Whether a run on reset FMUs gives what the first one gave: flies run 0, then another, then run 0 again."""
+        """Returns whether a run on reset FMUs gives what the first one gave: flies run 0, then another, then run 0
+        again.
+        """
         rows = [self.fly(0, np.full(self.job.draws.dimension, where)) for where in (0.5, 0.25, 0.5)]
         names = [name for name, _ in self.job.columns]
         return not differing(names, rows[0], rows[2])

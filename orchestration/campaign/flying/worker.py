@@ -124,7 +124,7 @@ def fly(key: str, batch: Batch, anew: bool) -> tuple[RunRows, str]:
 
 
 def resets(key: str) -> bool:
-    """Whether a reset brings the FMUs back to their first state."""
+    """Returns whether a reset brings the FMUs back to their first state."""
     try:
         with _of(key).pilot(False) as pilot:
             return pilot.resets()

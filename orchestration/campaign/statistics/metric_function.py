@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class MetricFunction:
-    """What chooses its own points asks for metrics by `fly`, and for what a point means."""
+    """Metrics at points that a method chooses: it asks for them by `fly`, and for what a point means."""
 
     fly: Callable[[Floats], dict[str, Floats]]
     """Gives the metrics (n,) by name at points (n, dimension); nan where a run failed or gave none."""

@@ -97,7 +97,7 @@ def _of_all(system: System, inside: Sequence[Inside], compiled: Mapping[str, byt
 
 
 def _files(each: Inside, chosen: Sequence[str]) -> dict[str, bytes]:
-    """What the container has of an FMU."""
+    """Returns what the container has of an FMU."""
     kept = (*_KEPT, *(f"binaries/{platform}/" for platform in chosen))
     with zipfile.ZipFile(each.component.fmu.path) as source:
         return {

@@ -51,7 +51,7 @@ class Inside:
         return self.co_simulation.get("modelIdentifier", "")
 
     def says(self, flag: str) -> bool:
-        """Whether it declares a capability."""
+        """Returns whether it declares a capability."""
         return self.co_simulation.get(flag, "false").strip() in ("true", "1")
 
     @cached_property

@@ -29,7 +29,7 @@ _LIMIT = 600.0
 
 @dataclass(frozen=True)
 class Played:
-    """What came of a replay."""
+    """Result of a replay."""
 
     lines: list[str]
     """What the program said: the first call that differs, and how many do."""

@@ -33,7 +33,7 @@ _ROOM, _MEMORY = c.CFUNCTYPE(None, c.c_size_t), c.CFUNCTYPE(c.c_void_p, c.c_size
 
 
 class _Head(c.Structure):
-    """What recorder.c's structure begins with."""
+    """Head of recorder.c's structure."""
 
     _fields_ = (("at", c.c_void_p), ("end", c.c_void_p), ("room", _ROOM), ("memory", _MEMORY))
 
