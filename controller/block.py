@@ -137,13 +137,13 @@ def _latched(x: State, u: Inputs, p: Parameters) -> State:
 
 
 def _no_attitude(x: State, u: Inputs) -> bool:
-    """Whether there is none. Once flown, only where a reference is connected: who gives it knows of an
+    """Returns whether there is none. Once flown, only where a reference is connected: who gives it knows of an
     attitude that is lost."""
     return not u.has_attitude and (not x.flown or u.has_reference)
 
 
 def _damps_only(x: State, u: Inputs) -> bool:
-    """Whether attitude or reference is missing. Raises ValueError for inputs that do not fit."""
+    """Returns whether attitude or reference is missing. Raises ValueError for inputs that do not fit."""
     return (u.has_reference and not u.R_ref.any()) or _no_attitude(x, u)
 
 

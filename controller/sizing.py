@@ -234,7 +234,7 @@ def _sized(wish: Wish, damping: float) -> Sizing:
 
 
 def _time(wish: Wish, damping: float, frequencies: Array) -> float:
-    """When the slowest envelope of the linearised loop is within both tolerances, s.
+    """Returns when the slowest envelope of the linearised loop is within both tolerances, s.
 
     The envelope of zeta about an axis is A exp(-damping w t)/sqrt(1 - damping^2), A^2 = |zeta(0)|^2 + (|omega(0)|/w)^2,
     that of omega w times as large.

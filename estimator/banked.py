@@ -52,7 +52,7 @@ class Banked:
 
     @classmethod
     def unpacked(cls, values: Array) -> Banked:
-        """What `packed` made the array of."""
+        """Returns what `packed` made the array of."""
         head, rows = values[:_HEADER], values[_HEADER:]
         bank = Bank.unpacked(rows.reshape(-1, 163)) if len(rows) else None
         return cls(bank, head[:3].copy(), int(head[3]), int(head[4]), float(head[5]), float(head[6]))

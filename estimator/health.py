@@ -35,7 +35,7 @@ jump until the sensor is found to be frozen."""
 
 @dataclass(frozen=True)
 class Watch:
-    """What is kept of a sensor."""
+    """State of a sensor's watch."""
 
     last: Array
     """Of its measurement (3,)."""

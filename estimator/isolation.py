@@ -68,7 +68,7 @@ def compared(
 
 
 def backed(x: Estimate, sensor: int) -> bool:
-    """Whether other sensors agree with one, whatever the filter says. None does with the Sun sensors."""
+    """Returns whether other sensors agree with one, whatever the filter says. None does with the Sun sensors."""
     if sensor == FIELD:
         return x.field_calm >= CALM
     return sensor == ATTITUDE and max(norm(x.field_by_tracker), norm(x.sun_by_tracker)) < BACKED
@@ -120,7 +120,9 @@ def rate_chosen(x: Estimate, p: Parameters) -> Estimate:
 
 
 def gyro_lost(x: Estimate, p: Parameters) -> bool:
-    """Whether the filter goes without its gyro. It then estimates a disturbance in the place of the field's bias."""
+    """Returns whether the filter goes without its gyro. It then estimates a disturbance in the place of the field's
+    bias.
+    """
     return p.rate_source == "gyro" and not x.by_gyro
 
 
@@ -136,5 +138,5 @@ def unknown_torque(omega_B: Array, R: Array, torques: Torques) -> float:
 
 
 def start_sigmas(x: Estimate, p: Parameters) -> tuple[float, float]:
-    """Of a start: rad/s, of the rate's or bias's error; T or N m, of the field's bias or of the disturbance."""
+    """Returns sigmas of a start: rad/s, of the rate or the bias; T or N m, of the field's bias or the disturbance."""
     return (RATE_UNKNOWN, disturbance_sigma(p)) if gyro_lost(x, p) else (p.rate_bias_sigma, p.field_bias_sigma)

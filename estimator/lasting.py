@@ -79,7 +79,7 @@ def bound(x: Estimate, doubtful: bool, p: Parameters) -> float:
 
 
 def without_rate(x: Estimate, sign: float) -> Estimate:
-    """Where the gyro is left out (-1: the rate's error is minus that of its bias) or comes back (0)."""
+    """Returns where the gyro is left out (-1: the rate's error is minus that of its bias) or comes back (0)."""
     S = x.S.copy()
     S[RATE] *= sign
     S[BIAS] = 0.0

@@ -54,6 +54,6 @@ def _checked(x: Estimate, measured: Orbit, p: Parameters) -> Estimate:
 
 
 def _same(known: Orbit, measured: Orbit, t: float) -> bool:
-    """Whether an orbit is another one, known for t s: to what receivers err by, and orbits of two bodies."""
+    """Returns whether an orbit is another one, known for t s: to what receivers err by, and orbits of two bodies."""
     r, v = (norm(a - b) for a, b in zip(known, measured, strict=True))
     return r < POSITION_OFF + 0.5 * J2_LEFT * t * t and v < VELOCITY_OFF + J2_LEFT * t

@@ -86,7 +86,7 @@ class Parameters:
         return np.array([axis / norm(axis) for axis in axes]).reshape(-1, 3)
 
     def of_wheels(self, each: Array | float) -> Array:
-        """What each wheel has along its axis, in body axes and all together (3,)."""
+        """Returns what each wheel has along its axis, in body axes and all together (3,)."""
         whole = np.zeros(3)
         for value, axis in zip(np.atleast_1d(each), self.wheel_axes, strict=False):
             whole = whole + value * axis

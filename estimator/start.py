@@ -26,6 +26,6 @@ def triad(first_B: Array, second_B: Array, first_N: Array, second_N: Array, apar
 
 
 def sine(x: Array, y: Array) -> float:
-    """Of the angle between x and y (3,); 0 where one of them is zero."""
+    """Returns the sine of the angle between x and y (3,); 0 where one of them is zero."""
     both = norm(x) * norm(y)
     return norm(cross(x, y)) / both if both > 0.0 else 0.0

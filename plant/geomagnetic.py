@@ -39,7 +39,7 @@ class FieldModel:
     h_dot: Array
 
     def covers(self, year: float) -> bool:
-        """Whether a decimal year lies within the model's years."""
+        """Returns whether a decimal year lies within the model's years."""
         return self.epochs[0] <= year <= self.valid_until
 
     def at(self, year: float, extrapolate: bool = False) -> tuple[Array, Array]:

@@ -28,7 +28,7 @@ class Turns:
     duty: float
 
     def on(self, t: float) -> bool:
-        """Whether the rods are on at time t, s, and for a while from then on."""
+        """Returns whether the rods are on at time t, s, and for a while from then on."""
         return self._stage(t) % 2 == 0
 
     def parts(self, t: float, h: float) -> list[tuple[float, bool]]:
@@ -52,7 +52,7 @@ class Turns:
         return 2 * k if periods - k < self.duty - SNAP else 2 * k + 1
 
     def _end(self, stage: int) -> float:
-        """When the stage ends, s."""
+        """Returns when the stage ends, s."""
         if self._steady:
             return math.inf
         k, rest = divmod(stage, 2)

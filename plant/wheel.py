@@ -99,7 +99,7 @@ def net_torque(momentum: float, command: float, wheel: Wheel) -> float:
 
 
 def momentum_saturated(momentum: float, command: float, wheel: Wheel) -> bool:
-    """Whether the wheel is at its momentum limit and the command, friction taken off, would drive it further."""
+    """Returns whether the wheel is at its momentum limit and the command, less friction, would drive it further."""
     drive, decay = _law(momentum, motor_torque(command, wheel), wheel)
     rate = drive - decay * momentum
     return rate != 0.0 and _at_limit(momentum, rate, wheel)
@@ -159,7 +159,7 @@ def _next_event(momentum: float, rate: float, wheel: Wheel) -> float:
 
 
 def _time_to(target: float, momentum: float, rate: float, decay: float) -> float:
-    """When l_w reaches `target`; infinite where friction stops it before."""
+    """Returns when l_w reaches `target`; infinite where friction stops it before."""
     share = (target - momentum) / rate
     if decay == 0.0:
         return share

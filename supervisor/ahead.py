@@ -39,7 +39,7 @@ def looked(x: State, u: Inputs, p: Parameters) -> State:
 
 
 def _eccentricity(u: Inputs, mu: float) -> float:
-    """Of the two-body orbit; 1 where it is not closed."""
+    """Returns the eccentricity of the two-body orbit; 1 where it is not closed."""
     r, v = u.r_N, u.v_N
     if not 2.0 / norm(r) > float(v @ v) / mu:
         return 1.0

@@ -58,7 +58,7 @@ class Parameters:
 
     @cached_property
     def sidereal_angle_0(self) -> float:
-        """Of Greenwich at t = 0, rad."""
+        """Sidereal angle of Greenwich at t = 0, rad."""
         return sidereal_angle(self.epoch)
 
 
@@ -142,7 +142,7 @@ class Outputs:
 
 
 def connected(value: Array | float) -> bool:
-    """Whether an optional input is connected."""
+    """Returns whether an optional input is connected."""
     return not bool((np.abs(value) >= ABSENT_MIN).any())
 
 

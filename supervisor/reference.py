@@ -91,7 +91,7 @@ def line_of_sight(p_earth: Array, angle: float, r: Array, v: Array, mu: float) -
 
 
 def elevation(p_earth: Array, latitude: float, longitude: float, angle: float, r: Array) -> float:
-    """Of the satellite above the horizon of a point on the Earth, rad; the vertical is that of the ellipsoid."""
+    """Returns the elevation of the satellite at a point on the Earth, rad; the vertical is that of the ellipsoid."""
     c, s = math.cos(angle), math.sin(angle)
     x, y, z = r.tolist()
     up = np.array(

@@ -42,7 +42,7 @@ def pointed(x: State, u: Inputs, p: Parameters, h: float) -> State:
 
 
 def _may_turn(x: State, u: Inputs, p: Parameters) -> bool:
-    """Whether it turns at all: the rates are damped first.
+    """Returns whether it turns at all: the rates are damped first.
 
     Rods do not damp a spin about the field, so an axis that points along it would keep its spin, and a fast one upsets
     the pointing.

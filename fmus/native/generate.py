@@ -167,7 +167,7 @@ _ARRAYS = {"real": "FLOAT64", "integer": "INT32", "enumeration": "INT64", "boole
 
 
 def _followers(interface: Interface) -> list[int]:
-    """Of each scalar variable, how many after it are alike: they lie side by side in the structures and
+    """Returns for each scalar variable how many after it are alike: they lie side by side in the structures and
     one check suits all."""
     alike = [_alike(v) for v in interface.variables.values() for _ in v.elements]
     return [i for _, group in itertools.groupby(alike) for i in reversed(range(len(list(group))))]

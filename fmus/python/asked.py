@@ -33,7 +33,7 @@ class Asked:
 
 
 def look(references: Sequence[int], whole: Sequence[frozenset[int]], some: Sequence[Set[int]]) -> Asked:
-    """Of the sets of which all have to be (`known`, `settable`, `tunable`), and of which some are (the others)."""
+    """Returns what holds of these value references: all of them in each set of `whole`, some in each of `some`."""
     places = list(references)
     first, after = (places[0], places[-1] + 1) if places else (0, 0)
 

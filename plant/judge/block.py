@@ -103,7 +103,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 
 
 def _no_attitude(x: State, u: Inputs) -> bool:
-    """Whether there is none yet: a matrix of zeros, as simple masters give before the first value."""
+    """Returns whether there is none yet: a matrix of zeros, as simple masters give before the first value."""
     return not x.flown and not u.R_NB.any()
 
 

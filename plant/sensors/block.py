@@ -153,7 +153,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
 
 
 def _due(since: float, T: float, h: float, name: str) -> tuple[int, float]:
-    """How many measurements of the period T are due `since` s after the last one was, and s since the
+    """Returns how many measurements of the period T are due `since` s after the last one was, and s since the
     latest of them was."""
     if not since / T <= PERIODS_MAX:
         raise ValueError(f"{name}: expected at least {1.0 / PERIODS_MAX:g} of the step, {h} s, found {T} s")

@@ -93,12 +93,12 @@ class Parameters:
 
     @cached_property
     def periods(self) -> list[float]:
-        """Of each clock, s; 0: a measurement at every step."""
+        """Period of each clock, s; 0: a measurement at every step."""
         return [getattr(self, name) or self.sensor_period for name in _PERIODS]
 
     @cached_property
     def period_names(self) -> list[str]:
-        """Of the parameter that gives each clock's period."""
+        """Name of the parameter that gives each clock's period."""
         return [name if getattr(self, name) else "sensor_period" for name in _PERIODS]
 
     @cached_property

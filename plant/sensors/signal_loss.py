@@ -9,7 +9,7 @@ from .noise import uniform
 
 
 def lost(was: bool, interval: float, duration: float, span: float, seed: int, sample: int, sensor: int) -> bool:
-    """Whether the signal is lost, `span` s after it `was`; interval and duration, s: mean times found and lost.
+    """Returns whether the signal is lost, `span` s after it `was`; interval and duration, s: mean times found and lost.
 
     The exact probability for any span: P = q + (was - q) exp(-span (1/interval + 1/duration)), q = duration/(interval +
     duration).

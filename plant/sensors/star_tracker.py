@@ -16,7 +16,7 @@ EARTH_RADIUS = 6378137.0
 
 
 def sees(R_NB: Array, omega_B: Array, r_N: Array, sun_N: Array | None, sunlight: float, p: Parameters) -> bool:
-    """Whether rate, Sun and Earth leave it an attitude. The Sun does not blind it from behind the Earth."""
+    """Returns whether rate, Sun and Earth leave it an attitude. The Sun does not blind it from behind the Earth."""
     if p.attitude_rate_max > 0.0 and float(omega_B @ omega_B) > p.attitude_rate_max**2:
         return False
     if p.attitude_sun_exclusion == 0.0 and p.attitude_earth_exclusion == 0.0:
