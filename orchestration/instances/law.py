@@ -99,7 +99,10 @@ class Law:
         """The error with the line of the law's own file at which it was raised; a signal's is raised again."""
         frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(self._path)]
         where = f"{self._path}:{frames[-1].lineno}: " if frames else f"{self._path}: "
-        return BlockError(self.name, call, f"{where}{told(error)}")
+        there = ""
+        if isinstance(error, AttributeError) and isinstance(error.obj, SimpleNamespace):
+            there = f"; there are {', '.join(vars(error.obj))}"
+        return BlockError(self.name, call, f"{where}{told(error)}{there}")
 
     # ------------------------------------------------------------ values
 
