@@ -104,6 +104,7 @@ def for_good(time: np.ndarray, error: np.ndarray, below: float) -> Settling:
 
 def _row(name: str, source: Source, starts: Sequence[Mapping[str, Any]], below: float) -> Row:
     found, momenta, failed = [], [0.0], 0
+    said: set[str] = set()
     for values in starts:
         flown = source
         for start, value in values.items():
@@ -115,7 +116,9 @@ def _row(name: str, source: Source, starts: Sequence[Mapping[str, Any]], below: 
             raise InputError(str(error)) from None
         if result.failure is not None:
             failed += 1
-            say(f"{name}: {result.failure}", error=True, fg="yellow")
+            if (told := f"{name}: {result.failure}") not in said:
+                say(told, error=True, fg="yellow")
+            said.add(told)
             continue
         found.append(for_good(result.time, np.asarray(result[ERROR]), below))
         momenta.append(float(np.abs(result[WHEELS]).max()))
@@ -202,14 +205,16 @@ def command(
     source = source.with_entry(("record",), {"interval": "2 s", "signals": [ERROR, WHEELS]})
     if duration is not None:
         source = source.with_value("duration", duration, "--duration")
-    flown = {} if alone else compared(source, place)
-    own = dict.fromkeys(flown, "a law to compare with, unless --alone is given")
+    others = {} if alone else compared(source, place)
+    own = dict.fromkeys(others, "a law to compare with, unless --alone is given")
+    flown = {}
     for law in laws:
         if law.stem in own:
             raise InputError(f"{law}: the name {law.stem!r} is that of {own[law.stem]}; remedy: rename the file")
         flown[law.stem], own[law.stem] = with_law(source, place, law), str(law)
     for law in laws[:1]:  # the others stand in the same place
         ctx.with_resource(watched(load_scenario(flown[law.stem]), lost="no table is written"))
+    flown |= others  # the new ones first, so that their errors are told soon
     bar = Progress(len(flown), True, "laws")
     try:
         rows = ranked(flown, tumbles(runs, math.radians(rate), seed), math.radians(below), bar)

@@ -162,6 +162,18 @@ def test_the_command_flies_all_and_writes_the_table(tmp_path):
     assert math.pi < max(largest) <= 180.0
 
 
+def test_new_laws_fly_first_and_an_error_of_each_flight_is_told_once(tmp_path, monkeypatch):
+    flown = []
+    monkeypatch.setattr(rank, "ranked", lambda laws, *_: flown.extend(laws) or [])
+    law = tmp_path / "mine.py"
+    law.write_text("def step(i, p, t, h):\n    assert t < 2\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
+    arguments = ("--scenario", SCENARIO, "--runs", 3, "--duration", "4 s")
+    orchestrate("rank", law, *arguments)
+    assert flown[:2] == ["mine", rank.OWN]
+    monkeypatch.undo()
+    assert orchestrate("rank", law, "--alone", *arguments).stderr.count("AssertionError") == 1
+
+
 def test_a_law_that_fails_is_counted_and_told(tmp_path):
     law = tmp_path / "wrong.py"
     law.write_text("def step(i, p, t, h):\n    assert t < 2\n    return {'tau_cmd_B': [0.0, 0.0, 0.0]}\n")
