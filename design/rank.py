@@ -14,7 +14,7 @@ import numpy as np
 
 from fmus.interface import BLOCKS
 from fmus.interface import load as interface
-from orchestration import InputError
+from orchestration import InputError, rotation
 from orchestration import load as load_scenario
 from orchestration.cli.console import Progress, complain, say, say_table
 from orchestration.cli.help import examples
@@ -62,12 +62,7 @@ def tumbles(count: int, rate: float, seed: int) -> list[dict[str, Any]]:
     drawn = []
     for number in range(count):
         q = rng.normal(size=4)
-        w, x, y, z = q / np.linalg.norm(q)
-        Q = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
+        Q = np.reshape(rotation.matrix(q / np.linalg.norm(q)), (3, 3)).tolist()
         axis = rng.normal(size=3)
         drawn.append(
             {"plant.Q0": Q, "plant.omega_B0": (rate * axis / np.linalg.norm(axis)).tolist(), "sensors.seed": number + 1}

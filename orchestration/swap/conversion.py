@@ -146,9 +146,7 @@ NO_MEMORY = "one is the rate of change of the other, and a mapping has no memory
 
 
 def is_rate(one: Unit, other: Unit) -> bool:
-    """Returns whether one is the rate of change of the other, but for a mass or an inertia: a torque beside a speed or
-    a momentum.
-    """
+    """Returns whether one is the rate of change of the other, a mass or an inertia apart: a torque beside a speed."""
     if one.exponents is None or other.exponents is None or ONE.exponents in (one.exponents, other.exponents):
         return False
     kg, m, s, *more = (a - b for a, b in zip(one.exponents[:-1], other.exponents[:-1], strict=True))
