@@ -62,7 +62,7 @@ def tumbles(count: int, rate: float, seed: int) -> list[dict[str, Any]]:
     drawn = []
     for number in range(count):
         q = rng.normal(size=4)
-        Q = np.reshape(rotation.matrix(q / np.linalg.norm(q)), (3, 3)).tolist()
+        Q = np.array(rotation.matrix((q / np.linalg.norm(q)).tolist())).reshape(3, 3).tolist()
         axis = rng.normal(size=3)
         drawn.append(
             {"plant.Q0": Q, "plant.omega_B0": (rate * axis / np.linalg.norm(axis)).tolist(), "sensors.seed": number + 1}
