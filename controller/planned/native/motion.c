@@ -181,7 +181,7 @@ static Jacobian jacobian_of(const Model *model, const Around *around, Matrix R, 
 {
     const Matrix J = model->J;
     const Vector rho = apply_transposed(R, around->r_hat_N);
-    const Vector Pi = add(apply(J, Omega), scale(l, model->wheel_axis));
+    const Vector Pi = add(apply(J, Omega), momentum_of_wheels(model, l));
     const Matrix by_rate = sum(hat(Pi), times(-1.0, hat_times(Omega, J)));
     const Matrix J_inverse = model->scales.fast_nutation ? inverse_over(model, &by_rate, h) : model->J_inverse;
     const Matrix tilt = sum(hat_times(rho, J), times(-1.0, hat(apply(J, rho))));

@@ -35,6 +35,7 @@ typedef struct {
     Vector wheel_axis;       /* unit, body axes */
     double wheel_torque_max; /* N m; 0 where the wheel gives no torque */
     double wheel_momentum_max;
+    Vector beside_B;      /* N m s, of wheels beside the one that is planned, which they keep */
     Vector disturbance_B; /* N m */
     Vector residual_B;    /* dipole of the satellite itself, A m2 */
     Scales scales;
@@ -91,10 +92,16 @@ static inline Matrix times(double s, Matrix m)
     return (Matrix){scale(s, m.a), scale(s, m.b), scale(s, m.c)};
 }
 
-/* J Omega + l a, N m s, body axes. */
+/* Of the wheels, N m s, body axes: l a, and what is beside it. */
+static inline Vector momentum_of_wheels(const Model *model, double l)
+{
+    return add(scale(l, model->wheel_axis), model->beside_B);
+}
+
+/* The same with J Omega. */
 static inline Vector momentum_of(const Model *model, const Motion *x)
 {
-    return add(apply(model->J, x->Omega), scale(x->l, model->wheel_axis));
+    return add(apply(model->J, x->Omega), momentum_of_wheels(model, x->l));
 }
 
 /* Whether the wheel gives torque. */

@@ -131,6 +131,7 @@ void controller_planned_prepare(const ControllerPlannedParameters *p, Controller
     law->R_d0 = nearest_rotation(matrix(p->R_d0));
     law->rod_axes = with_unit_rows(matrix(p->rod_axes));
     law->wheel_axis = unit_vector(vector(p->wheel_axis));
+    law->beside_B = (Vector){0.0, 0.0, 0.0};
     onboard_field(&gauss_models[p->field_model - 1], days_of_text(p->epoch), p->field_degree, p->field_error,
                   &law->field);
     law->field_tolerance = FIELD_WRONG + LEFT_OUT * left_out(&gauss_models[p->field_model - 1], p->field_degree);

@@ -25,7 +25,7 @@ static Vector torque_of_rods(const Model *model, Vector Omega, double l, Vector 
     const double torque_max = model->wheel_torque_max;
     controls[3] = wheel_to_rest(model, l, PLAN_PERIOD * model->scales.time);
     Vector tau = cross(rods_dipole(model, controls), B_B);
-    tau = subtract(tau, cross(Omega, scale(l, model->wheel_axis)));
+    tau = subtract(tau, cross(Omega, momentum_of_wheels(model, l)));
     return subtract(tau, scale(torque_max * controls[3], model->wheel_axis));
 }
 

@@ -26,6 +26,7 @@ Model controller_planned_nominal(const ControllerPlannedLaw *law, const Scales *
                    .wheel_axis = law->wheel_axis,
                    .wheel_torque_max = p->wheel_torque_max,
                    .wheel_momentum_max = p->wheel_momentum_max,
+                   .beside_B = law->beside_B,
                    .scales = *scales};
     model.horizon = controller_planned_horizon(scales->time);
     model.J_inverse = inverse(model.J);
@@ -175,7 +176,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
     controller_planned_set_noise(p, u, &x->identification);
-    controller_planned_set_taught(!is_lost(u->rate_health), &x->identification);
+    controller_planned_set_taught(!is_lost(u->rate_health) && shows_rods(u), &x->identification);
     controller_planned_set_disturbance(&x->scales, x->strained, &x->identification);
     const Vector bias = vector(x->identification.p + BIAS);
     if (p->find_failures) {

@@ -15,31 +15,27 @@ static const double ACROSS_TIME = 6000.0, ACROSS_FIRST = 600.0; /* s, of its mea
  * can bear that, too. */
 static Vector stopping(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector gyroscopic, Vector by_wheels)
 {
-    const Vector excess = apply(law->J, s->rate), reached = apply(s->reached, excess), others = left_out(s, excess);
-    const double size = norm(reached), L = 2.0 * law->p.command_period;
+    const Vector excess = apply(law->J, s->rate);
+    const double size = norm(excess), L = 2.0 * law->p.command_period;
     const bool bears = norm(add(gyroscopic, by_wheels)) < 0.5 * s->most;
-    double most = s->most_reached;
-    if (!s->reduced && size > 0.0) {
+    double most = s->most;
+    if (size > 0.0) {
         const double ball = bears ? norm(add(gyroscopic, by_wheels)) : 0.0;
-        most = law->p.torque_share * zonotope_reach(&s->torque, ball, scale(1.0 / size, reached));
+        most = law->p.torque_share * zonotope_reach(&s->torque, ball, scale(1.0 / size, excess));
     }
-    const double slower = L * s->k_reached / s->k;
-    const Vector by_rods = scale(-smaller(1.0 / slower, s->most / larger(norm(others), s->most * slower)), others);
-    const Vector tau = add(scale(size > 0.0 ? -smaller(1.0 / L, most / size) : 0.0, reached), by_rods);
+    const Vector tau = scale(size > 0.0 ? -smaller(1.0 / L, most / size) : 0.0, excess);
     return bears ? add(tau, gyroscopic) : subtract(tau, by_wheels);
 }
 
-/* (9): the torque that answers the errors, by the bandwidth of the directions in which they are. */
-static Vector feedback(const ControllerPlannedWheelsLaw *law, const Sample *s, const Errors *e)
+/* (9): the torque that answers the errors. */
+static Vector feedback(const ControllerPlannedWheelsLaw *law, const Errors *e)
 {
-    const Vector fast = scale(4.0 * s->k_reached, add(scale(s->k_reached, e->zeta), e->omega));
-    const Vector slow = scale(4.0 * s->k, add(scale(s->k, e->zeta), e->omega));
-    const Vector reached = apply(law->J, apply(s->reached, fast)), others = apply(law->J, left_out(s, slow));
-    return add(apply(s->reached, reached), left_out(s, others));
+    const double k = law->p.bandwidth;
+    return apply(law->J, scale(4.0 * k, add(scale(k, e->zeta), e->omega)));
 }
 
 /* (12): the mean of 1 - b b' follows the field along the orbit. */
-static void follow_field(const ControllerPlannedWheelsInputs *u, double h, ControllerPlannedWheelsState *x)
+static void follow_field(const ControllerPlannedWheelsInputs *u, Matrix Q, double h, ControllerPlannedWheelsState *x)
 {
     const Matrix R = matrix(u->R_NB);
     const Vector b = vector(u->b_B);
@@ -47,6 +43,9 @@ static void follow_field(const ControllerPlannedWheelsInputs *u, double h, Contr
     if (B >= WHEELS_FIELD_MIN && !is_zero_matrix(R)) {
         const Matrix turned = hat(apply(R, scale(1.0 / B, b)));
         x->across = add_scaled(add_scaled(x->across, -share, x->across), -share, multiply(turned, turned));
+        const Vector seen = apply(Q, scale(1.0 / B, b));
+        const Matrix lies = {scale(seen.x, seen), scale(seen.y, seen), scale(seen.z, seen)};
+        x->along = add_scaled(add_scaled(x->along, -share, x->along), share, lies);
     }
 }
 
@@ -83,7 +82,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     } else { /* (9) */
         const Errors e = controller_planned_wheels_errors_of(&plan, matrix(u->R_NB), Omega);
         tau = add(apply(law->J, e.dOmega_d_B), by_body);
-        tau = subtract(tau, add(feedback(law, s, &e), x->disturbance_B));
+        tau = subtract(tau, add(feedback(law, &e), x->disturbance_B));
     }
     store(tau, y->tau_cmd_B);
     store(dipole, y->dipole_ff);
@@ -100,7 +99,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     store(plan.Omega, y->Omega_d);
     store(plan.dOmega, y->dOmega_d);
     y->phase = x->phase;
-    y->reduced = s->reduced;
+    y->reduced = false;
     store(x->disturbance_B, y->disturbance_B);
     store((Vector){1.0, 1.0, 1.0}, y->rod_gains_estimate);
 }
@@ -131,11 +130,11 @@ static bool advance(ControllerPlannedWheelsLaw *law, const ControllerPlannedWhee
         return false;
     }
     x->t += h;
+    follow_field(u, s.Q, h, x);
     for (int i = 0; i < WHEELS_MAX; ++i) {
         x->failed[i] = u->wheel_failed[i];
     }
-    follow_field(u, h, x);
-    const int32_t few = controller_planned_wheels_few(law, x->failed);
+    const int32_t few = controller_planned_wheels_few(law, &s, x);
     if (few > 0) {
         return controller_planned_wheels_step_few(law, few, first, h, u, x, y, f);
     }
@@ -152,6 +151,7 @@ bool controller_planned_wheels_start(ControllerPlannedWheelsLaw *law, const Cont
     (void)memset(x, 0, sizeof *x);
     x->axis = (Vector){1.0, 0.0, 0.0};
     x->across = add_scaled(x->across, ACROSS, identity);
+    x->along = add_scaled(x->along, 1.0 - ACROSS, identity);
     x->turn = (SlewTurn){0.0, 1.0, 1.0};
     return advance(law, u, true, 0.0, x, &y, f);
 }

@@ -26,7 +26,8 @@ typedef struct {
     Vector shedding;      /* unit, in N: along it momentum is shed, (7) */
     Vector disturbance_B; /* N m, what the hold has to counter */
     Matrix across;        /* in N: the mean of 1 - b b' over the orbit behind, (12) */
-    int32_t few;          /* 1 to WHEELS_MAX: the one wheel that works; above: there is none; 0: there are more */
+    Matrix along;         /* in axes of the target: the mean of b b' over the orbit behind */
+    int32_t few;          /* 1 to WHEELS_MAX: the one wheel that is planned; above: there is none; 0: all are */
     ControllerPlannedState planned; /* with one wheel or none */
 } ControllerPlannedWheelsState;
 

@@ -12,7 +12,6 @@ static const double BESIDE = 0.85;
 enum { TURN_PARTS = 16 };        /* of a turn, in which its momentum is looked at */
 static const double LEAST = 0.1; /* of a turn's acceleration, where the gyroscopic torque would leave less */
 static const double DISTURBANCE_GAIN = 0.1, DISTURBANCE_SHARE = 0.3; /* of (2 k)^3; of the wheels' torque */
-static const double RODS_SLOW = 0.2; /* of the torque of a reduced set, which its turns take */
 
 /* (3): the rate that the wheels' momenta allow from the angle `angle` to the target about the axis: the momentum H stays
  * in N, but for a ball that it turns in meanwhile with the target, and takes its way through the body. */
@@ -37,9 +36,6 @@ static SlewTurn turn_about(const ControllerPlannedWheelsLaw *law, const Sample *
     const ControllerPlannedWheelsParameters *p = &law->p;
     const Vector along = apply(law->J, axis);
     const double least = s->most / norm(along), of_target = norm(s->target.Omega);
-    if (s->reduced) {
-        return (SlewTurn){angle, RODS_SLOW * least, sqrt(RODS_SLOW * least)};
-    }
     const double size = norm(add(s->H, law->h_target)), of_body = law->J_bound * of_target;
     const double slow = zonotope_reach(&s->momentum, smaller(size + of_body, ENTER * s->momentum.inradius), along);
     const double turned = size * smaller(1.0, of_target * angle / slow); /* of H with the target, meanwhile */
@@ -78,29 +74,27 @@ static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const 
                   bool on, Vector *lambda)
 {
     const double H = norm(add(s->H, law->h_target));
-    if (H <= (on ? LEAST_SHED : ENTER) * s->held) {
+    if (H <= (on ? LEAST_SHED : ENTER) * s->momentum.inradius) {
         return false;
     }
     const Matrix R = matrix(u->R_NB);
     if (is_zero_matrix(R)) {
-        return H > 0.5 * ENTER * s->held;
+        return H > 0.5 * ENTER * s->momentum.inradius;
     }
     const Vector H_N = apply(R, s->H);
-    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, ENTER * s->held, ROOM * s->held,
-                               TURN_ANGLE * law->J_bound * 2.0 / 3.0};
+    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, ENTER * s->momentum.inradius,
+                               ROOM * s->momentum.inradius, TURN_ANGLE * law->J_bound * 2.0 / 3.0};
     const Shedding found = shedding_of(&data, H_N, on ? *lambda : direction(norm(H_N), H_N), apply(R, vector(u->b_B)),
                                        vector(u->r_N), vector(u->v_N));
     *lambda = found.lambda;
-    return H > ENTER * s->held || found.time > 0.0;
+    return H > ENTER * s->momentum.inradius || found.time > 0.0;
 }
 
 /* Whether errors are below LOST times those whose answer is all that there is. */
 static bool is_answered(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector zeta, Vector omega)
 {
-    const double fast = s->k_reached, slow = s->k, J = 4.0 * law->J_bound;
-    const double reached = norm(apply(s->reached, zeta)) + norm(apply(s->reached, omega)) / fast;
-    const double others = norm(left_out(s, zeta)) + norm(left_out(s, omega)) / slow;
-    return reached <= LOST * s->most_reached / (J * fast * fast) && others <= LOST * s->most / (J * slow * slow);
+    const double k = law->p.bandwidth;
+    return norm(zeta) + norm(omega) / k <= LOST * s->most / (4.0 * law->J_bound * k * k);
 }
 
 void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, const Sample *s,
@@ -114,9 +108,9 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
         const Errors e = controller_planned_wheels_errors_of(&plan, matrix(u->R_NB), vector(u->omega_B));
         if (is_answered(law, s, e.zeta, e.omega)) {
             if (x->t - x->begun >= turn_time(&x->turn)) {
-                const double w = 2.0 * s->k, most = DISTURBANCE_SHARE * s->most;
+                const double w = 2.0 * law->p.bandwidth, most = DISTURBANCE_SHARE * s->most;
                 const Vector more = scale(DISTURBANCE_GAIN * w * w * w * law->p.command_period, apply(law->J, e.zeta));
-                const Vector d = s->reduced ? none : add(x->disturbance_B, more);
+                const Vector d = add(x->disturbance_B, more);
                 x->phase = WHEELS_HOLD;
                 x->disturbance_B = scale(norm(d) > most ? most / norm(d) : 1.0, d);
             } else {

@@ -1,20 +1,26 @@
-/* One wheel that works, or none: the plan of controller_planned. docs/how/planned-wheels.md, Failures. */
+/* Wheels that leave a direction out: the plan of controller_planned for one of them, or for none; those beside it are
+ * brought to rest. docs/how/planned-wheels.md, Failures. */
 #include <string.h>
 
 #include "sample.h"
 
+/* Samples, in which a wheel beside it comes to rest; of the rods' torque in a usual field, T, what that takes at most. */
+static const double REST_SAMPLES = 10.0, RODS_SHARE = 0.3, RODS_FIELD = 3e-5;
 static const double NO_WHEEL = 1e-9; /* N m and N m s: of a satellite without wheel */
 
-int32_t controller_planned_wheels_few(const ControllerPlannedWheelsLaw *law, const bool failed[WHEELS_MAX])
+int32_t controller_planned_wheels_few(const ControllerPlannedWheelsLaw *law, const Sample *s,
+                                      const ControllerPlannedWheelsState *x)
 {
-    int32_t last = WHEELS_MAX + 1, count = 0;
+    int32_t few = WHEELS_MAX + 1;
+    double most = -1.0;
     for (int i = 0; i < law->p.wheels; ++i) {
-        if (!failed[i]) {
-            last = i + 1;
-            count += 1;
+        const double part = x->few == i + 1 ? INFINITY : dot(law->axes[i], apply(x->along, law->axes[i]));
+        if (s->works[i] && part > most) {
+            most = part;
+            few = i + 1;
         }
     }
-    return count > 1 ? 0 : last;
+    return s->reduced ? few : 0;
 }
 
 ControllerPlannedParameters controller_planned_wheels_few_parameters(const ControllerPlannedWheelsParameters *p,
@@ -85,10 +91,30 @@ static ControllerPlannedInputs seen(const ControllerPlannedWheelsInputs *u, cons
     return of;
 }
 
-static void give(const ControllerPlannedOutputs *of, int32_t few, ControllerPlannedWheelsOutputs *y)
+/* (13): the torque on wheel i that brings its momentum to rest, as far as the rods answer it, or the body has as much of
+ * the opposite. */
+static double to_rest(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u, int i)
+{
+    const double h_w = u->h_w[i], of_body = dot(law->axes[i], apply(law->J, vector(u->omega_B)));
+    const double both = h_w * of_body < 0.0 ? smaller(fabs(h_w), fabs(of_body)) : 0.0;
+    const double by_rods = law->rods_dipole * RODS_FIELD * RODS_SHARE, time = REST_SAMPLES * law->p.command_period;
+    const double most = smaller(larger(by_rods, both / time), law->p.wheel_torque_max[i]);
+    return clip(-h_w / time, -most, most);
+}
+
+static void give(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
+                 const bool failed[WHEELS_MAX], const ControllerPlannedOutputs *of, int32_t few,
+                 ControllerPlannedWheelsOutputs *y)
 {
     (void)memset(y, 0, sizeof *y);
-    store(vector(of->tau_cmd_B), y->tau_cmd_B);
+    Vector tau = vector(of->tau_cmd_B);
+    for (int i = 0; i < law->p.wheels; ++i) {
+        if (i != few - 1) {
+            y->wheel_torque_ff[i] = failed[i] ? 0.0 : to_rest(law, u, i);
+            tau = subtract(tau, scale(y->wheel_torque_ff[i], law->axes[i]));
+        }
+    }
+    store(tau, y->tau_cmd_B);
     store(vector(of->dipole_ff), y->dipole_ff);
     if (few <= WHEELS_MAX) {
         y->wheel_torque_ff[few - 1] = of->wheel_torque_ff;
@@ -111,11 +137,17 @@ void controller_planned_wheels_prepare_few(ControllerPlannedWheelsLaw *law, int3
     law->few = few;
 }
 
-static void change_to(ControllerPlannedWheelsLaw *law, int32_t few)
+/* Prepares the plan, with the momentum of the wheels that are not in it. */
+static void know_others(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u, int32_t few)
 {
+    Vector beside = {0.0, 0.0, 0.0};
     if (law->few != few) {
         controller_planned_wheels_prepare_few(law, few);
     }
+    for (int i = 0; i < law->p.wheels; ++i) {
+        beside = i == few - 1 ? beside : add(beside, scale(u->h_w[i], law->axes[i]));
+    }
+    law->planned.beside_B = beside;
 }
 
 bool controller_planned_wheels_step_few(ControllerPlannedWheelsLaw *law, int32_t few, bool first, double h,
@@ -124,7 +156,7 @@ bool controller_planned_wheels_step_few(ControllerPlannedWheelsLaw *law, int32_t
 {
     ControllerPlannedInputs now = seen(u, x, few);
     ControllerPlannedOutputs given;
-    change_to(law, few);
+    know_others(law, u, few);
     const bool begins = first || x->few != few;
     x->few = few;
     if (first) {
@@ -145,7 +177,7 @@ bool controller_planned_wheels_step_few(ControllerPlannedWheelsLaw *law, int32_t
             return false;
         }
     }
-    give(&given, few, y);
+    give(law, u, x->failed, &given, few, y);
     x->phase = given.phase;
     return true;
 }
@@ -156,10 +188,10 @@ bool controller_planned_wheels_outputs_few(ControllerPlannedWheelsLaw *law, cons
 {
     const ControllerPlannedInputs now = seen(u, x, x->few);
     ControllerPlannedOutputs given;
-    change_to(law, x->few);
+    know_others(law, u, x->few);
     if (!controller_planned_outputs(&law->planned, &x->planned, &now, &given, f)) {
         return false;
     }
-    give(&given, x->few, y);
+    give(law, u, x->failed, &given, x->few, y);
     return true;
 }

@@ -4,11 +4,6 @@
 
 #include <string.h>
 
-static const double RODS_SHARE = 0.3;  /* of the rods' torque in a usual field, on which a turn by them relies */
-static const double RODS_FIELD = 3e-5; /* T */
-static const double RODS_ANGLE = 0.1;  /* rad, whose answer is that share: the bandwidth of a reduced set */
-static const double RODS_TURN = 0.3;   /* of the momentum J/T that a reduced set begins with, T^2 = J/torque */
-
 static bool is_finite_input(const ControllerPlannedWheelsInputs *u, Fault *f)
 {
     const NamedVector given[] = {
@@ -44,43 +39,7 @@ static bool target_of(const ControllerPlannedWheelsLaw *law, const ControllerPla
     return !target->attitude || is_rotation(target->R, REFERENCE_ATTITUDE_TOLERANCE, "R_ref", "a rotation matrix", f);
 }
 
-static Matrix outer(Vector a)
-{
-    return (Matrix){scale(a.x, a), scale(a.y, a), scale(a.z, a)};
-}
-
-/* What a set reaches whose axes lie in a plane, or along a line: in its directions the least that it gives. */
-static void reach_in_plane(int n, const Vector axes[], const double torque[], double share, Sample *s)
-{
-    Vector normal = {0.0, 0.0, 0.0};
-    for (int i = 1; i < n; ++i) {
-        const Vector across = cross(axes[0], axes[i]);
-        normal = norm(across) > norm(normal) ? across : normal;
-    }
-    const double size = norm(normal);
-    double least = 0.0;
-    if (!(size > WHEEL_SET_FLAT)) {
-        s->reached = n > 0 ? outer(axes[0]) : s->reached;
-        for (int i = 0; i < n; ++i) {
-            least += torque[i];
-        }
-    } else {
-        normal = scale(1.0 / size, normal);
-        s->reached = add_scaled(identity, -1.0, outer(normal));
-        least = INFINITY;
-        for (int i = 0; i < n; ++i) {
-            const Vector edge = cross(normal, axes[i]);
-            double distance = 0.0;
-            for (int k = 0; k < n; ++k) {
-                distance += torque[k] * fabs(dot(edge, axes[k]));
-            }
-            least = smaller(least, distance);
-        }
-    }
-    s->most_reached = larger(s->most, share * least);
-}
-
-/* (1), (2) for the wheels that work; the torque of the rods stands in for that of a set that leaves a direction out. */
+/* (1), (2) for the wheels that work. */
 static void take_wheels(const ControllerPlannedWheelsLaw *law, const bool failed[WHEELS_MAX], Sample *s)
 {
     const ControllerPlannedWheelsParameters *p = &law->p;
@@ -100,15 +59,7 @@ static void take_wheels(const ControllerPlannedWheelsLaw *law, const bool failed
     s->torque = zonotope_of(n, axes, torque);
     s->momentum = zonotope_of(n, axes, momentum);
     s->reduced = !(s->torque.inradius > 0.0 && s->momentum.inradius > 0.0);
-    s->reached = identity;
-    s->most = s->reduced ? RODS_SHARE * law->rods_dipole * RODS_FIELD : p->torque_share * s->torque.inradius;
-    s->held = s->reduced ? RODS_TURN * sqrt(law->J_bound * s->most) : s->momentum.inradius;
-    s->k = s->reduced ? smaller(p->bandwidth, sqrt(s->most / (4.0 * law->J_bound * RODS_ANGLE))) : p->bandwidth;
-    s->k_reached = p->bandwidth;
-    s->most_reached = s->most;
-    if (s->reduced) {
-        reach_in_plane(n, axes, torque, p->torque_share, s);
-    }
+    s->most = p->torque_share * s->torque.inradius;
 }
 
 /* (5), (6). */
@@ -140,10 +91,6 @@ bool controller_planned_wheels_take_sample(const ControllerPlannedWheelsLaw *law
     }
     s->H = subtract(subtract(add(apply(law->J, Omega), s->h), law->h_target), of_target);
     take_wheels(law, failed, s);
-    for (int i = 0; i < law->p.wheels && s->reduced; ++i) { /* no other wheel can carry what a failed one has */
-        const Vector stays = apply_transposed(s->Q, scale(s->works[i] ? 0.0 : u->h_w[i], law->axes[i]));
-        s->H = subtract(s->H, stays);
-    }
     return true;
 }
 

@@ -21,10 +21,7 @@ typedef struct {
     bool works[WHEELS_MAX];
     Zonotope torque, momentum; /* of the wheels that work */
     bool reduced;              /* they leave a direction out */
-    Matrix reached;            /* projects on the directions that they reach */
-    double most, held;         /* N m, N m s, in any direction */
-    double most_reached;       /* N m, in any of these */
-    double k, k_reached;       /* bandwidth, rad/s: where rods stand in for wheels it is less */
+    double most;               /* N m, in any direction */
 } Sample;
 
 /* The errors from the plan, in body axes: (5). */
@@ -47,18 +44,14 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
                                       const ControllerPlannedWheelsInputs *u, bool first,
                                       ControllerPlannedWheelsState *x);
 
-/* The part of v in the directions that the wheels leave out. */
-static inline Vector left_out(const Sample *s, Vector v)
-{
-    return subtract(v, apply(s->reached, v));
-}
-
 /* (10): each wheel's part of their torque `wanted` on the body, and what evens out their momenta. */
 void controller_planned_wheels_share(const ControllerPlannedWheelsLaw *law, const Sample *s,
                                      const double h_w[WHEELS_MAX], Vector wanted, double of_wheels[WHEELS_MAX]);
 
-/* Which wheel alone works, 1 to WHEELS_MAX, or WHEELS_MAX + 1 where none does; 0: more than one. */
-int32_t controller_planned_wheels_few(const ControllerPlannedWheelsLaw *law, const bool failed[WHEELS_MAX]);
+/* Which wheel is planned, 1 to WHEELS_MAX, where those that work leave a direction out: the one of before, else the one
+ * along which the field lies most; WHEELS_MAX + 1 where none works; 0: they reach all directions. */
+int32_t controller_planned_wheels_few(const ControllerPlannedWheelsLaw *law, const Sample *s,
+                                      const ControllerPlannedWheelsState *x);
 
 /* The parameters of controller_planned for the wheel `few`. */
 ControllerPlannedParameters controller_planned_wheels_few_parameters(const ControllerPlannedWheelsParameters *p,

@@ -68,7 +68,7 @@ void controller_planned_wheels_share(const ControllerPlannedWheelsLaw *law, cons
     }
     even_momenta(law, s, then, even);
     for (int i = 0; i < WHEELS_MAX; ++i) {
-        const double more = s->reduced ? 0.0 : (even[i] - then[i]) / time;
+        const double more = (even[i] - then[i]) / time;
         of_wheels[i] = s->works[i] ? clip(dot(torque_of[i], wanted) + more, -limits[i], limits[i]) : 0.0;
     }
 }

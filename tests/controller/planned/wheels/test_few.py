@@ -29,7 +29,8 @@ LAWS = {"bandwidth": 0.2}
 @pytest.mark.parametrize("rods", [False, True])
 @pytest.mark.parametrize(("left", "built"), [(1, 1), (2, 3), (None, 3), (None, 0)])
 def test_with_one_wheel_or_none_it_is_controller_planned_bit_by_bit(left: int | None, built: int, rods: bool) -> None:
-    """`left` of those built works from the begin on; with the commands of the rods connected, and without."""
+    """`left` of those built works from the begin on, the others stand; with the commands of the rods connected, and
+    without."""
     asked = 0.0
     body: dict[str, Any] = {**FOUR, **SETS[3], "wheels": built}
     failed = [i != (left or 0) - 1 for i in range(4)]
@@ -60,7 +61,8 @@ def test_with_one_wheel_or_none_it_is_controller_planned_bit_by_bit(left: int | 
             assert y["reduced"]
             asked = its["wheel_torque_ff"]
 
-        fly(60.0, each, body, TUMBLE, LAWS, failed=lambda i: failed, rods=rods)
+        works = [float(not one) for one in failed]
+        fly(60.0, each, body, {**TUMBLE, "wheel_gain": works}, LAWS, failed=lambda i: failed, rods=rods)
 
 
 def test_a_plan_begins_at_each_failure_that_leaves_one_wheel_and_the_set_goes_on_where_it_works_again() -> None:
@@ -78,3 +80,35 @@ def test_a_plan_begins_at_each_failure_that_leaves_one_wheel_and_the_set_goes_on
     fly(500.0, each, body, STILL, {}, failed=lambda i: [fails[i], fails[i], False, False])
     assert reduced == fails
     assert max(error[-100:]) < np.radians(3.0)
+
+
+@pytest.mark.parametrize("along", [1, 2])
+def test_of_two_wheels_left_the_one_along_which_the_field_lies_is_planned_and_the_other_comes_to_rest(
+    along: int,
+) -> None:
+    """The wheels' axes are the body's; the other's momentum is taken away by what the rods give at 30 uT, or at once as
+    far as the body has the opposite."""
+    field = 3e-5 * np.eye(3)[along]
+    other = 3 - along
+    with Instance("controller_planned_wheels") as law:
+        for name, value in {**FOUR, **SETS[3], "reference": "inertial", "b_B": field}.items():
+            law.set(name, value)
+        law.initialize()
+        for i in range(100):
+            law.step(i * H, H)
+        momentum = np.zeros(4)
+        momentum[other] = 0.01
+        law.set("h_w", momentum)
+        law.set("wheel_failed", [True, False, False, False])
+        law.step(100 * H, H)
+        slow = law.get("wheel_torque_ff")[other]
+        rate = np.linalg.solve(FOUR["J_B"], -momentum[:3])
+        law.set("omega_B", rate)
+        law.step(101 * H, H)
+        fast = law.get("wheel_torque_ff")[other]
+        law.set("h_w", [0.0, *np.where(np.arange(1, 4) == along, 0.01, 0.0)])
+        law.step(102 * H, H)
+        assert law.get("wheel_torque_ff")[other] == pytest.approx(0.0, abs=1e-12)
+        dipole = law.get("dipole_max")
+    assert slow == pytest.approx(-0.3 * 3e-5 * dipole, rel=1e-9)
+    assert fast == pytest.approx(-0.01 / (10.0 * H), rel=1e-9)
