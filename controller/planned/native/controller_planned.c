@@ -31,9 +31,7 @@ static void sample(ControllerPlannedLaw *law, ControllerPlannedState *x, const C
     if (controller_planned_has_attitude_bound(u) && ahead.target_kind != ONBOARD_TARGET_NONE) {
         const Target target = controller_planned_target_at(&ahead, x->t);
         const bool field_lost = is_lost(u->field_health);
-        const Model model = controller_planned_estimated(law, x);
-        const double whole = norm(momentum_of(&model, &now)) / x->scales.turning_moment;
-        controller_planned_doubt(x, field_lost, u->attitude_bound, norm(now.Omega), norm(target.Omega), whole);
+        controller_planned_doubt(x, field_lost, u->attitude_bound, norm(now.Omega), norm(target.Omega));
     }
     controller_planned_decide(law, x, &ahead, &now, dt, first);
     x->sampled = true;

@@ -45,7 +45,7 @@ typedef struct {
     Profile profile;       /* of the disturbance, along the last orbit, as far as it was strained */
     bool may_doubt;        /* there has been a hold, or the field is not measured */
     bool doubted;          /* no attitude is left by its bound, and the satellite has turned since: rates are damped */
-    double least_rate;     /* rad/s, that all momentum gave, since it is doubted */
+    double least_rate;     /* rad/s, of those since it is doubted */
     bool drives;           /* they have grown: the field that damps them is wrong, and no rod acts */
     bool provisional;      /* the plan is what the first search had come to in its first sample */
     bool challenged;       /* the search's plan is held against the plan at the next sample */

@@ -439,15 +439,10 @@ def sizes() -> tuple[int, int]:
     return found[0], found[1]
 
 
-def doubted(
-    bound: Array, rate: Array, wanted: Array, holds: Array, lost: Array, whole: Array | None = None
-) -> tuple[Array, Array, float]:
-    """Whether the attitude is doubted, and drives, at each of n samples (n,) each; and T, s.
-
-    `whole`: the rate that all momentum gives, in the place of `rate`.
-    """
+def doubted(bound: Array, rate: Array, wanted: Array, holds: Array, lost: Array) -> tuple[Array, Array, float]:
+    """Whether the attitude is doubted, and drives, at each of n samples (n,) each; and T, s."""
     p, n = filled(_BLOCK, "parameter"), len(bound)
-    given, found = np.column_stack((bound, rate, wanted, rate if whole is None else whole)), (c_ubyte * (2 * n))()
+    given, found = np.column_stack((bound, rate, wanted)), (c_ubyte * (2 * n))()
     flags = (c_ubyte * (2 * n))(*np.column_stack((holds, lost)).astype(int).ravel().tolist())
     lib = library()
     lib.probe_doubt.restype = c_double

@@ -11,7 +11,7 @@ static ControllerPlannedState *nothing(const ControllerPlannedParameters *p)
     return &x;
 }
 
-/* Bounds of the attitude's error, rates, those wanted and of all momentum (n,4), and whether it holds and whether the field is lost (n,2):
+/* Bounds of the attitude's error, rates and those wanted (n,3), and whether it holds and whether the field is lost (n,2):
  * whether the attitude is doubted, and drives (n,2). Returns T, s. */
 PROBE double probe_doubt(const ControllerPlannedParameters *p, int n, const double *given, const unsigned char *is,
                          unsigned char *found)
@@ -19,7 +19,7 @@ PROBE double probe_doubt(const ControllerPlannedParameters *p, int n, const doub
     ControllerPlannedState *x = nothing(p);
     for (int i = 0; i < n; ++i) {
         x->phase = is[2 * i] ? PHASE_HOLD : PHASE_ACQUISITION;
-        controller_planned_doubt(x, is[2 * i + 1], given[4 * i], given[4 * i + 1], given[4 * i + 2], given[4 * i + 3]);
+        controller_planned_doubt(x, is[2 * i + 1], given[3 * i], given[3 * i + 1], given[3 * i + 2]);
         found[2 * i] = x->doubted;
         found[2 * i + 1] = x->drives;
     }

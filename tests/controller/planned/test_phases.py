@@ -55,15 +55,6 @@ def test_a_field_that_drives_is_given_up_while_the_attitude_is_doubted_and_taken
     assert runs(drives) == [30, 40, 75, 85]
 
 
-def test_a_wheel_that_gives_its_momentum_to_the_body_drives_nothing_and_where_it_turns_no_more_it_is_followed():
-    """The rate grows to three times its least, all momentum stays; below 0.15/T beyond the target it is not doubted."""
-    i = np.arange(60)
-    rate = np.where(i < 20, 1.0, np.where(i < 40, 3.0, np.where(i < 50, 0.16, 0.14))) / T
-    found, drives, _ = core.doubted(np.full(60, BEYOND), rate, np.zeros(60), i < 1, i < 0, np.full(60, 3.0 / T))
-    assert runs(found) == [0, 50]
-    assert not drives.any()
-
-
 def test_a_hold_has_settled_after_the_same_time_without_a_break_each_time_and_is_turned_away_beyond_five_degrees():
     """Below 1 deg and 1/(20 T) for 1.2 T."""
     n, dt = 400, T / 50.0

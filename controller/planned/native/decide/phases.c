@@ -16,10 +16,9 @@ static const double LASTING_ANGLE = 0.0087266463, LASTING_MOMENTUM = 0.6, LASTIN
 static const double STRAINED_ORBITS = 1.0; /* without a cause, until it is not */
 static const double STRAINED_LOST = 1.0;   /* rad (57 deg) */
 
-/* rad (30 deg): a torque may be half across what was meant; rad in T beyond the target's turn: more is no hold, and
- * with so little the estimate is followed again. */
-static const double DOUBTED = 0.5235987756, TURNS = 0.3, STOPPED = 0.15;
-static const double GROWN = 2.0; /* of the least momentum: a field that is more than a right angle off drives it */
+/* rad (30 deg): a torque may be half across what was meant; rad in T beyond the target's turn: more is no hold. */
+static const double DOUBTED = 0.5235987756, TURNS = 0.3;
+static const double GROWN = 2.0; /* of the least rate: a field that is more than a right angle off drives it */
 
 enum { ANY = 0 };
 
@@ -86,14 +85,13 @@ Standing controller_planned_standing(const ControllerPlannedState *x, const Mode
     };
 }
 
-void controller_planned_doubt(ControllerPlannedState *x, bool field_lost, double bound, double rate, double wanted,
-                              double whole)
+void controller_planned_doubt(ControllerPlannedState *x, bool field_lost, double bound, double rate, double wanted)
 {
-    const bool turns = (rate - wanted) * x->scales.time > (x->doubted ? STOPPED : TURNS);
+    const bool turns = (rate - wanted) * x->scales.time > TURNS;
     x->may_doubt = x->may_doubt || x->phase == PHASE_HOLD || field_lost;
-    x->doubted = x->may_doubt && bound > DOUBTED && turns;
-    x->least_rate = x->doubted ? smaller(x->least_rate, whole) : INFINITY;
-    x->drives = x->doubted && (x->drives || whole > GROWN * x->least_rate + TURNS / x->scales.time);
+    x->doubted = x->may_doubt && bound > DOUBTED && (x->doubted || turns);
+    x->least_rate = x->doubted ? smaller(x->least_rate, rate) : INFINITY;
+    x->drives = x->doubted && (x->drives || rate > GROWN * x->least_rate + TURNS / x->scales.time);
 }
 
 bool controller_planned_plan_has_come(const ControllerPlannedState *x, double early)

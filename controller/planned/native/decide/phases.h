@@ -27,9 +27,8 @@ typedef enum {
 } Event;
 
 /* Whether the attitude is doubted, x->doubted: whether the field is not measured; `bound`, rad, on the attitude's error;
- * the rates of the satellite and of its target, and the one that all its momentum gives, rad/s. */
-void controller_planned_doubt(ControllerPlannedState *x, bool field_lost, double bound, double rate, double wanted,
-                              double whole);
+ * the rates of the satellite and of its target, rad/s. */
+void controller_planned_doubt(ControllerPlannedState *x, bool field_lost, double bound, double rate, double wanted);
 
 /* `search_time`, s, is how long a search takes. */
 Standing controller_planned_standing(const ControllerPlannedState *x, const Model *model, const Ahead *ahead,

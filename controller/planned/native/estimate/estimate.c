@@ -176,7 +176,7 @@ Around controller_planned_take_sample(const ControllerPlannedLaw *law, Controlle
     const ControllerPlannedParameters *p = &law->p;
     const double dt = first ? p->control_period : x->t - x->t_sample;
     controller_planned_set_noise(p, u, &x->identification);
-    controller_planned_set_taught(!is_lost(u->rate_health) && shows_rods(u), &x->identification);
+    controller_planned_set_taught(!is_lost(u->rate_health), &x->identification);
     controller_planned_set_disturbance(&x->scales, x->strained, &x->identification);
     const Vector bias = vector(x->identification.p + BIAS);
     if (p->find_failures) {
