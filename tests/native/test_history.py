@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from estimator.health import GOOD, INCONSISTENT
 from tests.blocks import inputs, parameters
 from tests.estimator.test_estimator import LIT, seen_by
 
@@ -55,6 +56,7 @@ def test_only_rejections_in_a_row_end_the_filter_and_it_starts_again_as_often_as
             starts.append([y["attitude_sigma_B"], *(step(good)["attitude_sigma_B"] for _ in range(19))])
             assert y["attitude_valid"]
             assert y["R_NB"] == pytest.approx(R, abs=1e-3)
+            assert y["health"][0] == (GOOD if len(starts) == 2 else INCONSISTENT), "lost twice in 600 s by its gyro"
         for later in starts[1:]:  # the first one began before its first step
             np.testing.assert_allclose(later[1:], starts[0][:-1], rtol=0.03)
 

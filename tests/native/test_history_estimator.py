@@ -15,6 +15,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from estimator.health import FROZEN, GOOD, INCONSISTENT
+from plant.orbit import from_position_velocity
+from tests.estimator.test_estimator import MU, R_N, V_N
 from tests.estimator.test_health import STEP, measured, sensors
 
 from .twice import FLAVOURS
@@ -93,6 +95,23 @@ def test_an_orbit_that_jumps_is_taken_after_as_many_fixes_that_agree_each_time(f
     for k, at in ((75, 0.0), (105, OFF[0]), (150, 0.0), (190, OFF[0]), (230, 0.0)):
         assert ys[k - 1]["r_N"][0] - measured(False)[k][1][0] == pytest.approx(at, abs=100.0)
     assert ys[-1]["health"][2] == GOOD
+
+
+def test_an_orbit_is_averaged_over_its_time_to_and_fro(flavour):
+    """Fixes that are 100 m off, and then not: the exponential of a first-order filter, by steps of 1 s."""
+    p, T = replace(sensors(), orbit_time=30.0), 30.0
+    orbit, away = from_position_velocity(R_N, V_N, MU), 0.0
+
+    def at(k: int, off: float) -> Any:
+        r, v = orbit.position_velocity(float(k))
+        return replace(measured(False)[0][2], r_N_measured=r + np.array((off, 0.0, 0.0)), v_N_measured=v)
+
+    with flavour("estimator", p, at(0, 0.0), 1.0) as step:
+        for k in range(1, 120):
+            off = 100.0 if k // 30 % 2 else 0.0
+            away += (off - away) / (T + 1.0)
+            found = step(at(k, off))["r_N"][0] - orbit.position_velocity(float(k))[0][0]
+            assert found == pytest.approx(away, abs=0.5), k
 
 
 def test_without_the_gyro_for_a_while_the_rate_is_bridged_each_time(flavour):
