@@ -118,6 +118,8 @@ def test_a_failed_wheel_is_tried_by_a_probe_and_one_that_is_not_looked_for_is_no
     for begin in (first, first + 3002):  # at once, and 3000 s after that
         probes = [each["wheel_torque_cmd"][1] for each in y[begin : begin + 2]]
         assert probes == [0.2 * 3e-3, -0.2 * 3e-3]
+        assert abs(y[begin - 1]["wheel_torque_cmd"][1]) < 0.1 * 3e-3 or begin == first
+        assert abs(y[begin + 2]["wheel_torque_cmd"][1]) < 0.1 * 3e-3
     assert not any(each["wheel_failed"].any() for each in watched(0.0, find_failures=False))
 
 

@@ -279,6 +279,12 @@ def test_friction_is_learned_and_given_back_on_both_sides_of_zero_speed() -> Non
             it.set("h_w", h)
             it.step(T * i, T)
             assert not it.outputs()["wheel_failed"].any()
+        it.set("h_w", np.zeros(4))
+        for side in (1.0, -1.0):  # from rest friction is against the motion that is wanted
+            wanted = side * 1e-4 * NULL / np.abs(NULL).max()
+            it.set("wheel_torque_ff", wanted)
+            given = it.get("wheel_torque_cmd")
+            np.testing.assert_allclose(given, wanted + friction * np.sign(wanted), atol=3e-6)
     assert np.max(missed[:20]) > 3e-5
     late = np.array(missed[800:])  # a sample in which a wheel crosses zero is not exact
     assert late.max(axis=1).mean() < 1e-6
