@@ -9,11 +9,12 @@ import struct
 import subprocess
 import sys
 import zlib
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
-from fmus.interface import load, parse
+from fmus.interface import InterfaceError, load, parse
 from fmus.kit import linked
 from fmus.link import bench, device, wire
 from fmus.link.device import Device, Field, Layout, Ports, Reader, Refused, frame
@@ -116,6 +117,29 @@ def test_each_request_is_met_once_and_a_late_one_not_at_all():
     assert calls == [0.0, 1.0, 2.0]
 
 
+def test_a_device_that_a_run_has_left_is_free_for_the_next_at_once_and_knows_nothing_each_time():
+    it = lamp()
+    for session in (1, 2, 3):
+        greeted(it, session)
+        assert it.receive(frame(device.END, session, 4, b"")) == b""
+        for asked in (device.STEP, device.START):
+            answer = next(Reader(200).feed(it.receive(frame(asked, session, 5 + asked, struct.pack("<ddd", 0, 1, 0)))))
+            assert (answer.type, answer.payload[0]) == (device.REFUSED, device.NOT_STARTED)
+        other = device.GREETING.pack(0, 0, PORTS.hash, b"lamp", bytes(range(session, session + 8)))
+        answer = next(Reader(200).feed(it.receive(frame(device.HELLO, 9 + session, 1, other))))
+        assert answer.type == device.HELLO | device.ANSWER
+        it.receive(frame(device.END, 9 + session, 2, b""))
+
+
+@pytest.mark.parametrize(("rows", "fits"), [(8189, True), (8190, False)])
+def test_an_interface_that_a_length_of_two_bytes_cannot_tell_is_refused(rows, fits):
+    """8 bytes of each input, and two times before them."""
+    demands = f"shape = [{rows}]\nstart = {[0.0] * rows}"
+    interface = parse(LAMP.replace("start = 0.0", demands))
+    with nullcontext() if fits else pytest.raises(InterfaceError, match="at most 65535 bytes .*found 65536"):
+        assert wire.frame_max(interface) > 65528
+
+
 @pytest.mark.parametrize(
     ("request_", "code", "text"),
     [
@@ -173,6 +197,9 @@ def test_the_bench_plays_a_vector_and_names_what_differs(tmp_path, capsys):
     shown = capsys.readouterr().out
     assert re.search(r"^DIFFER  light_B\[1\] +0.1 +0.02  1 s$", shown, re.M)
     assert shown.count("ok    ") == 2
+    (tmp_path / "vector.csv").write_text("time,demand,light_B[1]\n0.0,0.001,0.001\n0.5,0.002,0.0020001\n")
+    assert not bench.compare(PORTS, tmp_path, Inside(lamp())), "5e-5 of a small output"
+    capsys.readouterr()
     with pytest.raises(
         bench.Failed, match="built for the interface lamp with other ports or parameters; expected lamp"
     ):
