@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import struct
 import threading
 from time import monotonic
+
+import pytest
 
 from fmus.link import lines
 
@@ -39,6 +42,16 @@ def test_a_line_waits_as_long_as_it_is_told_for_what_comes_and_not_at_all_for_le
         timer.start()
         assert line.receive(30.0) == b"b"
         timer.join()
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="terminals are of Linux and macOS")
+def test_a_device_answers_on_a_serial_line_byte_by_byte_as_it_is_asked(capsys):
+    host, line = os.openpty()
+    threading.Thread(target=lines.serve, args=(upper, ["serial", os.ttyname(line)]), daemon=True).start()
+    assert any("ready" in capsys.readouterr().out or threading.Event().wait(0.01) for _ in range(3000))
+    for asked in (b"a", b"\x03\r\n", b"bc"):  # also what a terminal would take for its own
+        os.write(host, asked)
+        assert os.read(host, 10) == asked.upper()
 
 
 def upper(data: bytes, sender: str, turned: bool) -> bytes:

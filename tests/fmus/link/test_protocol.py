@@ -11,6 +11,7 @@ import sys
 import zlib
 from contextlib import nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -172,6 +173,12 @@ def test_a_frame_is_found_behind_any_bytes_and_however_they_are_cut(before):
         reader, stream = Reader(200), before + good + good
         cut = [stream[i : i + size] for i in range(0, len(stream), size)]
         assert [f.payload for part in cut for f in reader.feed(part)] == [b"payload"] * 2
+
+
+def test_a_text_ends_at_its_first_zero_whatever_is_behind_it():
+    layout = Layout((Field("epoch", "string", (), "", 8), Field("on", "boolean", (), False)), 0)
+    assert layout.unpack(b"2009\0old\1") == SimpleNamespace(epoch="2009", on=1)
+    assert layout.unpack(b"20090810\0").epoch == "20090810"
 
 
 class Inside:
