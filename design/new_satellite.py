@@ -36,6 +36,8 @@ PARTS = {
     "perfect": ("sensors_perfect.yaml", []),
 }
 """By the name of a set of sensors: its template, and the files of scenarios/sensors that it extends."""
+CHOSEN = ("body_axis", "wheels", "sensors")
+"""Values that are names, in any case of their letters."""
 
 
 def templates() -> template.Template:
@@ -109,7 +111,7 @@ def _answer(found: template.Template, name: str, text: str) -> Any:
             elif name == "sensors":
                 _sensors(str(value))
         except InputError as error:
-            complain(str(error))
+            complain(str(error).removeprefix(f"--set {name}: "))
             continue
         return value
     return None
@@ -121,6 +123,8 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
         given = {"name": own, **given}
     if "orbit_radius" in given and "altitude" in given:
         raise InputError("--set altitude, --set orbit_radius: expected one of them, since each follows from the other")
+    plain = {name: value.lower() for name, value in given.items() if name in CHOSEN and isinstance(value, str)}
+    given |= {name: value for name, value in plain.items() if not Path(given[name]).is_file()}
     found.check(given)
     values, texts = followed(found, given)
     sensors, parts = _sensors(str(values["sensors"]))
@@ -131,6 +135,7 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
     if there := next((path for path in files if path.exists()), None):
         raise InputError(f"{there} is there already; expected a folder without it")
     notes: list[str] = []
+    unused = [name for name in given if name.startswith("wheel_")] if values["wheels"] == "none" else []
     with _undone(folder, list(files)):
         try:
             with writing(folder):
@@ -162,6 +167,8 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
     say(f"fly it:        orchestrate {flown}\nreview it:     orchestrate review {flown}")
     if bare := found.bare(given):
         tell([f"numbers without a unit were taken in SI units: {', '.join(bare)}"])
+    if unused:
+        tell([f"with wheels=none {', '.join(unused)} count for nothing"])
     tell(notes)
 
 

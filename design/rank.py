@@ -36,6 +36,7 @@ LAWS = Path(__file__).parent / "laws"
 COMPARED = ("bdot", "pd", "unloading", "lqr", "paper")
 ERROR, WHEELS = "judge.attitude_error", "plant.h_w"
 OWN = "the scenario's own"
+COLUMNS = ("median, s", "worst, s", "rms after, deg", "largest after, deg", "wheel, N.m.s")
 
 
 @dataclass(frozen=True)
@@ -217,7 +218,7 @@ def command(
         bar.close()
     say(f"settled: attitude error below {below:.4g} deg for good")
     say_table(
-        ("law", "settled", "median, s", "worst, s", "rms after, deg", "largest after, deg", "wheel, N.m.s"),
+        ("law", "settled", *COLUMNS),
         [
             (
                 r.law,
@@ -233,9 +234,9 @@ def command(
     )
     if out is not None:
         with writing(out), putting(out) as part, part.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(asdict(rows[0])))
-            writer.writeheader()
-            writer.writerows(map(asdict, rows))
+            writer = csv.writer(file)
+            writer.writerow(("law", "settled", "runs", "failed", *COLUMNS))
+            writer.writerows(["" if v == math.inf or v != v else v for v in asdict(row).values()] for row in rows)
         say(f"written: {out}")
     if lost := [row.law for row in rows if row.failed == row.runs]:
         complain(f"every flight of {', '.join(lost)} failed")

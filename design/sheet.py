@@ -132,6 +132,10 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
         notes["inertia"] = "with the wheels locked" + (f"; mass {values['mass']}" if "mass" in given else "")
     stated = f"data: {{mass: {flow(values['mass'])}}}" if "mass" in given else "# data: {mass: 4 kg}"
     notes["mass"] = f"{stated}          # only compared with J_B" + ("" if "mass" in given else "; state it")
+    if values["center_of_mass_B"] is None:
+        values["center_of_mass_B"] = [f"{each * min(1.0, number['body_width'] / 0.1):.3g} mm" for each in (20, 20, 10)]
+    deep = f"       # assumed on all sides, though it is {values['body_depth']} deep: drag and sunlight act more"
+    notes["depth"] = deep if "body_depth" in given else ""
     notes |= {n: "" if n in given else "assumed: " for n in ("center_of_mass_B", "f107", "disturbance_torque_B")}
     J = _matrix(values["inertia"])
     if values["J_error_B"] is None:
@@ -162,6 +166,8 @@ def followed(found: Template, given: Mapping[str, Any]) -> tuple[dict[str, Any],
     notes["momentum_random_walk"] = f"{math.sqrt(RADIAN) * unknown:.3g} N.m.s"
     notes["dipole_mean"] = f"{DUTY * dipole:.6g} A.m2"
 
+    if values["wheel_axis"] == [0, 0, 0]:
+        raise InputError("--set wheel_axis: expected a direction, found [0, 0, 0]")
     kind = str(values["wheels"])
     axes = wheel_axes(kind)
     notes["momentum_expected"], notes["wheel_fault"] = "# no wheel, and nothing expected of it", "# no wheel to fail"

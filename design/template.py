@@ -47,6 +47,8 @@ class Template:
         for name, entry in self.values.items():
             if name in given and "unit" in entry:
                 self.number(name, given[name])
+            if name in given and (choices := entry.get("choices")) and given[name] not in choices:
+                raise InputError(f"--set {name}: expected one of {', '.join(choices)}, found {flow(given[name])}")
 
     def number(self, name: str, value: Any) -> float:
         """Returns a value in the unit and the range that are stated for its name. Raises InputError."""
@@ -55,11 +57,13 @@ class Template:
             unit = parse_unit(entry["unit"])
             number = value_in(value, unit)
         except QuantityError as error:
-            raise InputError(f"--set {name}: {error}") from None
+            each = f"; remedy: {entry['each']}" if isinstance(value, list) and "each" in entry else ""
+            raise InputError(f"--set {name}: {error}{each}") from None
         least, most = entry["range"]
         if not value_in(least, unit) <= number <= value_in(most, unit):
             found = f"{value} ({number:.10g} {entry['unit']})"
-            raise InputError(f"--set {name}: expected {least} to {most}, found {found}")
+            unit_too = f"; remedy: a unit, as in {most}" if _is_bare(value) else ""
+            raise InputError(f"--set {name}: expected {least} to {most}, found {found}{unit_too}")
         return number
 
     def bare(self, given: Mapping[str, Any]) -> list[str]:
@@ -128,10 +132,10 @@ def flow(value: Any) -> str:
     """Returns a value as YAML on one line; text as it stands where YAML reads it back as the same."""
     if isinstance(value, str):
         plain = re.fullmatch(r"[\w.+-]+( [\w./^*-]+)*", value) and parse(value).data == value
-        return value if plain else json.dumps(value)
+        return value if plain else json.dumps(value, ensure_ascii=False)
     if isinstance(value, list):
         return f"[{', '.join(map(flow, value))}]"
-    return json.dumps(value)
+    return json.dumps(value, ensure_ascii=False)
 
 
 def read(folder: Path) -> Template:

@@ -16,8 +16,8 @@ from .satellite import Satellite
 
 DENSITY = (10.0, 6000.0)
 """kg/m3, of a homogeneous body with this inertia: an empty hull, and near that of steel."""
-LONG, LEVER = 1.5, 0.25
-"""Length over width of a long body; offset of the centre of mass over the size."""
+LONG, LONGEST, LEVER = 1.5, 20.0, 0.25
+"""Length over width of a long body, and the most of any; offset of the centre of mass over the size."""
 
 
 def of_inertia(s: Satellite) -> Iterator[Finding]:
@@ -78,6 +78,12 @@ def of_body(s: Satellite) -> Iterator[Finding]:
             f"the others {others[0]:.4g} and {others[1]:.4g}",
             f"the {'least' if kind == 'long' else 'largest'} about it",
             f"body_axis: {best}?",
+        )
+    if not 1.0 / LONGEST <= ratio <= LONGEST:
+        yield Finding(
+            f"the body, {size_text(s.size)}, is {max(ratio, 1.0 / ratio):.3g} times as large along one axis",
+            f"at most {LONGEST:g} times",
+            "check the units of body_width and body_length; they count for drag and sunlight",
         )
     share = np.abs(p.center_of_mass_B) / s.size
     if share.max() > LEVER:

@@ -38,9 +38,9 @@ def of_rods(s: Satellite) -> Iterator[Finding]:
     dipole, bound = float(s.p.dipole_limit.max()), DIPOLES[s.heavy > SMALL]
     if dipole > bound * s.heavy:
         yield Finding(
-            f"a rod gives {dipole:.3g} A.m2 in a body of {s.heavy:.3g} kg",
+            f"a rod gives {dipole:.3g} A.m2 in a body of {s.heavy:.3g} kg{', by its size and J_B' * (s.mass is None)}",
             f"at most {bound:g} A.m2 for each kg",
-            "check the unit and the point of dipole_max",
+            f"check the units and the points of dipole_max and of {'J_B' if s.mass is None else 'the mass'}",
         )
     weak = np.flatnonzero(s.p.dipole_limit < WEAK * s.p.dipole_limit.max()) + 1
     if len(weak):
@@ -63,7 +63,7 @@ def of_rods(s: Satellite) -> Iterator[Finding]:
         yield Finding(
             f"the control acts every {s.control_period:g} s",
             f"at most a fifth of the {s.turned:.3g} s in which the rods turn the body",
-            f"--set step={0.02 * s.turned:.1g} s and a control_period of five steps",
+            f"a control_period of {0.2 * s.turned:.2g} s or less, in whole steps of estimator and control",
         )
     causes = s.disturbances()
     total = sum(causes.values())

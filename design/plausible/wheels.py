@@ -17,7 +17,7 @@ from plant.so3 import Array
 from .finding import Finding, parts, unit_meant
 from .satellite import Satellite
 
-SPIN_UP, HOLDS = (2.0, 2000.0), (0.05, 60.0)
+SPIN_UP, HOLDS = (1.0, 2000.0), (0.05, 60.0)
 """s in which a motor fills its wheel; deg/s of the body that a full wheel holds."""
 DISC = 0.1
 """Of the mass: a disc as wide as the body, beyond whose inertia a wheel is none that fits."""
@@ -71,7 +71,8 @@ def _of_wheel(s: Satellite, wheel: Any, axis: Array) -> Iterator[Finding]:
         yield Finding(
             f"{WHEEL} has an inertia of {wheel.inertia:.3g} kg.m2",
             f"at most {fits:.2g} kg.m2 of a disc as wide as the body with {DISC:g} of its {s.heavy:.3g} kg",
-            f"check wheel_inertia ({unit_meant(wheel.inertia, 1e-4 * fits, fits)})",
+            f"check wheel_inertia ({unit_meant(wheel.inertia, 1e-4 * fits, fits)}), which follows from "
+            "wheel_momentum_max where it is not stated",
         )
     emptied = wheel.momentum_max / s.rods if s.rods > 0.0 else math.inf
     if not 1.0 <= emptied <= 0.5 * period:

@@ -58,19 +58,19 @@ def to_lvlh(R_NB: Array, r_N: Array, v_N: Array, R_d0: Array) -> Array:
 def sizes(error: Array, step: float, window: float, apart: float) -> dict[str, Array]:
     """Returns by index its values along a flight.
 
-    error (n, 3) rad at a constant step; `window` and `apart`, s, are cut to whole steps. A flight shorter than a window
-    has no values of the others.
+    error (n, 3) rad at a constant step; `window` and `apart`, s, are cut to whole steps. A window begins at each
+    sample. A flight shorter than a window has no values of the others.
     """
-    count = max(round(window / step), 1)
-    windows = len(error) // count
-    cut = error[: windows * count].reshape(windows, count, 3)
-    means = cut.mean(axis=1)
-    later = max(round(apart / (count * step)), 1)
+    count, later = (max(round(time / step), 1) for time in (window, apart))
+    if len(error) < count:
+        return {"absolute": np.linalg.norm(error, axis=1), **dict.fromkeys(INDICES[1:], np.empty(0))}
+    windows = np.moveaxis(np.lib.stride_tricks.sliding_window_view(error, count, axis=0), 2, 1)
+    means = windows.mean(axis=1)
     vectors = {
         "absolute": error,
         "mean": means,
-        "relative": (cut - means[:, None]).reshape(-1, 3),
-        "drift": means[later:] - means[:-later] if windows > later else np.empty((0, 3)),
+        "relative": (windows - means[:, None]).reshape(-1, 3),
+        "drift": means[later:] - means[:-later],
     }
     return {name: np.linalg.norm(v, axis=1) for name, v in vectors.items()}
 

@@ -96,7 +96,7 @@ def agility(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
     else:
         by = f"{'wheel and ' * bool(facts.wheels)}rods, the field across it at its strongest, which it seldom is"
     note = (
-        f"Least: about that axis from rest to rest by {by}. {took}. "
+        f"Times in steps of 2 s. Least: about that axis from rest to rest by {by}. {took}. "
         "From rest relative to the orbit, on an attitude that is measured to 0.01 deg at any rate: what actuators and "
         "law give. The tumbles have the times on the satellite's own sensors."
     )
@@ -168,7 +168,8 @@ def failures(facts: Facts, flown: Mapping[str, Flown]) -> tuple[Section, Worst]:
         since = np.degrees(one[judge][one.time >= at]).max()
         told = [number(float(value)) for value in (since, rms, error.max())]
         told.append(number(float(momentum)) if facts.wheels else "–")
-        remark = "beyond the goal" if error.max() > math.degrees(facts.goal) else ""
+        goal = math.degrees(facts.goal)
+        remark = "beyond the goal" if error.max() > goal else "beyond the goal for a while" if since > goal else ""
         remark = f"lost: beyond {LOST:g} deg" if error.max() > LOST else remark
         rows.append([name, _found(facts, name, one, at), *told, remark])
     columns = ["failure", "found after", "largest since, deg"]

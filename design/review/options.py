@@ -26,9 +26,13 @@ METRICS: dict[str, tuple[str, Unit, str]] = {
     "relative_error": ("tumbles", RADIAN, "largest difference from the mean of its window"),
     "drift_error": ("tumbles", RADIAN, "largest difference of the means of two windows"),
     "knowledge_error": ("tumbles", RADIAN, "largest error of the estimated attitude in the second half"),
-    "slew_time": ("slews", SECOND, "longest time of the slews"),
+    "slew_time": ("slews", SECOND, "longest time of the slews, flown on an attitude that is measured to 0.01 deg"),
     "station_error": ("station", RADIAN, "largest attitude error while the station is tracked"),
-    "error_after_failure": ("failures", RADIAN, "largest error of the last orbit after any single failure"),
+    "error_after_failure": (
+        "failures",
+        RADIAN,
+        "largest error of the orbit that begins an orbit after any single failure",
+    ),
     "torque_margin": ("margins", ONE, "torque of the rods in the weakest field over the largest disturbance"),
     "momentum_margin": ("margins", ONE, "momentum of a wheel over what gathers in an orbit"),
 }

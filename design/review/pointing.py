@@ -126,7 +126,8 @@ def section(facts: Facts, options: Options, flown: Mapping[str, Flown], rows: Ro
         "orchestrate flights/hold-CASE-MEMBER.yaml",
         f"Sizes of rotation vectors, at {percent}. Ensemble: a share of {percent} of the flights never exceeds it. "
         f"Temporal: the worst flight does not exceed it for {percent} of the time. Mixed: {percent} of all samples.",
-        f"Absolute: the error itself. Mean: over windows of {options.window:g} s. Relative: the rest within a window. "
+        f"Absolute: the error itself. Mean: over windows of {options.window:g} s, one from each sample on. Relative: "
+        "the rest within a window. "
         f"Drift: difference of the means of two windows {options.drift:g} s apart.",
         f"Of tumbles: the largest error in the second orbit of each; {percent} of the {tumbled} are not above it. "
         "A tumble leaves other states than a start at rest: momentum in wheels, what estimator and controller have "

@@ -100,7 +100,7 @@ def review(
         "wall time of this start": f"{perf_counter() - begun:.0f} s",
         "finished": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
     }
-    first = glance(sections, said, math.degrees(found.goal))
+    first = glance(sections, said, math.degrees(found.goal), f"{100 * options.confidence:g}%")
     return Review(found.scenario.name, found.scenario.description, shown, [first, *sections], said)
 
 

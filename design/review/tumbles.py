@@ -136,7 +136,7 @@ def section(facts: Facts, options: Options, case: Case, rows: Rows) -> Section:
         shown.insert(1, (goal, numbers(rows, "settling_time", last_moment(facts))))
     table = [[name, *_times(values)] for name, values in shown]
     errors = [
-        [name, *(number(v) for v in np.quantile(values[~np.isnan(values)], [0.5, 0.9, 1.0]))]
+        [name, *(number(v) for v in np.quantile(values[~np.isnan(values)], [0.5, 0.9, 1.0], method="inverted_cdf"))]
         for name, values in (
             ("largest error of the second orbit, deg", rows.numbers("absolute_error")),
             ("rms of it, deg", rows.numbers("rms_error")),
@@ -170,7 +170,8 @@ def section(facts: Facts, options: Options, case: Case, rows: Rows) -> Section:
                 "Time to settle",
                 ["until", "settled", "median, s", "90%, s", "worst, s"],
                 table,
-                "To the end of the flight, and for its last sixth at least.",
+                "From the start, also while no attitude is known yet; to the end of the flight, and for its last "
+                "sixth at least. The median is the least time within which half of the tumbles settled.",
             ),
             Table("Hold after the tumble", ["", "median", "90%", "worst"], errors),
         ],

@@ -85,6 +85,7 @@ def _of_one(one: Asked, head: list[str], value: float, flight: str, study: str) 
     status = "met" if margin > 0.0 else "not met"
     unit = METRICS[one.metric][1]
     shown = _told(margin, unit) if math.isfinite(margin) else "–"
-    why = f"{study}: {_told(value, unit) if math.isfinite(value) else 'never'}; single flights, no probability"
+    found = _told(value, unit) if math.isfinite(value) else "never"
+    why = f"{study}: {found}, {METRICS[one.metric][2]}; single flights, no probability"
     replay = f"orchestrate flights/{flight}.yaml" if flight else "–"
     return [*head, "–", status, shown, "1" if flight else "–", replay, why]

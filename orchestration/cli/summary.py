@@ -73,4 +73,4 @@ def summary(result: Result) -> None:
     for hold in result.holds:
         say(f"{hold.name}: {hold.text}", fg="yellow" if hold.latched else None, bold=hold.latched or None)
     if raised := result.raised:
-        say(f"\nflags raised: {'; '.join(raised)}")
+        say(f"\nflags that were true: {'; '.join(raised)}")

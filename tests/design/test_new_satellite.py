@@ -133,6 +133,8 @@ def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, m
     ("changes", "message"),
     [
         ({"dipole_max": "0.3 N.m"}, "--set dipole_max: the unit 'N.m' does not fit"),
+        ({"wheel_axis": [0, 0, 0]}, "--set wheel_axis: expected a direction, found [0, 0, 0]"),
+        ({"dipole_max": ["0.3 A.m2", 0.1, 0.1]}, "remedy: rod_limits is the share of dipole_max that each rod gives"),
         ({"inertia": [1, 2]}, "--set inertia: shared.J_B: expected 3 rows of 3 values, found a list of 2"),
         ({"inertia": [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]}, "J_B: plant refuses it: expected"),
         ({"wheel_axis": [1, 1, 0]}, "wheel_axis: plant refuses it: expected"),
@@ -141,7 +143,7 @@ def test_a_height_that_is_no_height_is_refused_by_its_name(tmp_path, altitude, m
             {"epoch": "11.02.2027 09:30"},
             "--set epoch: shared.epoch: expected UTC in ISO 8601, such as 2009-08-10T12:00:00Z, found",
         ),
-        ({"body_axis": "up"}, "--set body_axis: shared.body_axis: expected one of"),
+        ({"body_axis": "up"}, "--set body_axis: expected one of x, y, z, found up"),
         ({"orbit_radius": "68r78 km"}, "--set orbit_radius: unknown unit 'r78 km'"),
         ({"orbit_radius": "-5 km"}, "--set orbit_radius: expected 6528137 m to 8348137 m, found -5 km (-5000 m)"),
         ({"step": "30 ms"}, "--set step: record.interval: expected a multiple of the base step, 0.03 s"),
@@ -189,6 +191,17 @@ def test_a_mass_in_the_place_of_inertia_is_that_of_a_homogeneous_box(tmp_path):
     assert J["diagonal"] == pytest.approx(
         [4 * (0.05**2 + 0.34**2) / 12, 4 * (0.1**2 + 0.34**2) / 12, 4 * 0.0125 / 12], rel=1e-4
     )
+
+
+def test_names_of_choices_are_taken_in_any_case_and_what_counts_for_nothing_is_said(tmp_path):
+    """A body of 5 cm has its centre of mass half as far from the middle; one value for its width is told as such."""
+    small = {"body_width": "5 cm", "body_depth": "9 cm"}
+    result = made(tmp_path / "cube", body_axis="Z", wheels="None", sensors="CUBESAT", **small)
+    assert result.exit_code == 0, result.stderr
+    text = (tmp_path / "cube" / "satellite.yaml").read_text()
+    assert "center_of_mass_B: [10 mm, 10 mm, 5 mm]" in text
+    assert "body_width: 5 cm       # assumed on all sides, though it is 9 cm deep" in text
+    assert "with wheels=none wheel_torque_max, wheel_momentum_max, wheel_axis count for nothing" in result.stderr
 
 
 @pytest.mark.parametrize(
@@ -291,7 +304,10 @@ def test_what_is_not_plausible_is_named_and_written_all_the_same(tmp_path):
 
 def test_a_goal_beyond_all_errors_is_refused_and_numbers_without_a_unit_are_named(tmp_path):
     result = made(tmp_path / "cube", goal=5)
-    assert (result.exit_code, result.stderr) == (2, "--set goal: expected 0.0001 deg to 180 deg, found 5 (5 rad)\n")
+    assert (result.exit_code, result.stderr) == (
+        2,
+        "--set goal: expected 0.0001 deg to 180 deg, found 5 (5 rad); remedy: a unit, as in 180 deg\n",
+    )
     said = made(tmp_path / "cube", goal=0.1, omega_B0=[0.02, "1 deg/s", 0], inertia=None, mass=4).stderr
     assert "numbers without a unit were taken in SI units:" in said
     assert all(one in " ".join(said.split()) for one in ("goal 0.1 rad", "mass 4 kg", "[0.02, 1 deg/s, 0] rad/s"))

@@ -28,6 +28,7 @@ def scenario(goal=None, **values):
 
 
 PLANTED = [
+    ({"body_length": "34 m"}, "340 times as large along one axis"),
     ({"J_B": {"diagonal": [41.9, 41.9, 6.67]}}, "in g.m2 it would fit"),
     ({"J_B": {"diagonal": [419, 419, 66.7]}}, "in kg.cm2 it would fit"),
     ({"J_B": {"diagonal": [0.0419, 0.0419, 0.1]}}, "1.19 times the sum of the two others"),

@@ -87,7 +87,7 @@ def test_flags_that_were_true_are_told(capsys):
     result = run_mocks([spiky()], {"step": 0.1, "duration": 2})
     assert result.flags == {"a.on": 0.7}
     summary(result)
-    assert "\nflags raised: a.on from 0.7 s to 0.8 s\n" in capsys.readouterr().out
+    assert "\nflags that were true: a.on from 0.7 s to 0.8 s\n" in capsys.readouterr().out
     assert run_mocks([spiky()], {"step": 0.1, "duration": 0.5}).flags == {"a.on": None}
 
 
