@@ -78,7 +78,7 @@ def data(facts: Facts) -> Section:
     tables = [
         Table("Data of the satellite", ["", "value"], [list(row) for row in shown]),
         Table(
-            "Sensors", ["", "value"], sensors, "What is not zero of the block plant_sensors, in units of data sheets."
+            "Sensors", ["", "value"], sensors, "What is not zero of the block of sensors, in units of data sheets."
         ),
         Table("Assumptions", ["where", "what"], assumptions(facts), "Lines of the files that say 'assumed'."),
         Table(

@@ -66,7 +66,7 @@ def _parsed(text: str, file: str | None) -> Source:
         what = _HELD.sub("", what)
         remedy = "quote a text that holds a colon with a space behind it" if error.problem == _COLON else ""
         if error.problem_mark and text[: error.problem_mark.index].rstrip().endswith("]"):
-            remedy = "a unit stands at each number of a list, as in [1 mm, 2 mm]"
+            what, remedy = "text behind a list", "a unit stands at each number, as in [1 mm, 2 mm]"
         raise InputError(Problem(f"no valid YAML: {what}", remedy=remedy, place=Place(file or "text", line))) from None
     except RecursionError:
         raise InputError(_too_much(source)) from None
