@@ -77,9 +77,7 @@ def data(facts: Facts) -> Section:
     ]
     tables = [
         Table("Data of the satellite", ["", "value"], [list(row) for row in shown]),
-        Table(
-            "Sensors", ["", "value"], sensors, "What is not zero of the block of sensors, in units of data sheets."
-        ),
+        Table("Sensors", ["", "value"], sensors, "What is not zero of them, in units of data sheets."),
         Table("Assumptions", ["where", "what"], assumptions(facts), "Lines of the files that say 'assumed'."),
         Table(
             "Plausibility",
