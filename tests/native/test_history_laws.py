@@ -5,6 +5,7 @@ The witnesses are a fresh instance that gets there for the first time, and count
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -90,3 +91,12 @@ def test_each_outage_loses_the_signal_and_counts_nothing_and_each_return_counts_
     # Shares of 1/3 and 1/4, in outages of 10 s: deviations of 25 and 22 over 300 s.
     assert 30 < gone < 180
     assert 20 < lost < 150
+
+
+def test_a_step_of_more_than_a_thousand_million_sample_periods_is_refused_by_name(flavour):
+    p, u = parameters("plant_sensors", sensor_period=2e-6), inputs("plant_sensors")
+    for h, refused in ((1999.0, False), (2001.0, True)):
+        with flavour("plant_sensors", p, u, h) as step:
+            for _ in range(2):
+                with pytest.raises((ValueError, Refused), match="sensor_period") if refused else nullcontext():
+                    step(u)
