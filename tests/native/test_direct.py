@@ -59,13 +59,11 @@ def test_a_parameter_below_zero_that_must_not_be_is_refused_by_its_name(block: s
 def test_a_number_of_a_choice_or_a_count_beyond_its_range_is_refused_by_its_name(block: str) -> None:
     direct = Direct(block)
     for v in load(block).of("parameter"):
-        beyond: list[int] = []
-        if v.type == "enumeration":
-            beyond = [0, len(v.items) + 1]
-        elif v.type == "integer":
-            beyond = [int(end) + side for end, side in ((v.min, -1), (v.max, 1)) if end is not None and abs(end) < 1e9]
-        for number in beyond:
-            assert direct.check(**{v.name: number}) == v.name
+        ends = {"enumeration": (1, len(v.items)), "integer": (v.min, v.max)}.get(v.type, ())
+        for end, side in zip(ends, (-1, 1), strict=False):
+            if end is not None and abs(end) < 1e9:
+                assert direct.check(**{v.name: int(end)}) != v.name or "refused here" in v.description
+                assert direct.check(**{v.name: int(end) + side}) == v.name
 
 
 CALLS = [
