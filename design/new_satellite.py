@@ -110,6 +110,8 @@ def _answer(found: template.Template, name: str, text: str) -> Any:
                 wheel_axes(str(value))
             elif name == "sensors":
                 _sensors(str(value))
+            elif name == "inertia" and not isinstance(value, (list, dict)):
+                raise InputError(f"expected three moments or three rows of three, found {answer}")
         except InputError as error:
             complain(str(error).removeprefix(f"--set {name}: "))
             continue

@@ -286,11 +286,28 @@ def test_asked_in_the_terminal_it_takes_answers_and_leaves_what_is_not_needed(tm
 
 
 def test_asked_in_the_terminal_it_asks_again_for_what_it_cannot_take(tmp_path):
-    answers = ["seven", "one", "", "", "4", "4 kg", "", "10 cm", "34 cm", "z", "0.3 A.m2", "", "0.3 mN.m", "2 mN.m.s"]
+    answers = [
+        "seven",
+        "one",
+        "0.3 mN.m",
+        "",
+        "",
+        "4",
+        "4 kg",
+        "",
+        "10 cm",
+        "34 cm",
+        "z",
+        "0.3 A.m2",
+        "",
+        "0.3 mN.m",
+        "2 mN.m.s",
+    ]
     answers += ["[0, 1, 0]", "sextant", "cubesat", "500", "", "500 km", "97.4 deg"]
     result = orchestrate("new", "satellite", str(tmp_path / "cube"), "--interactive", input="\n".join(answers) + "\n")
     assert result.exit_code == 0, result.stderr
     assert "expected 150 km to 1970 km, found 500 (500 m)" in result.stderr
+    assert "expected three moments or three rows of three, found 0.3 mN.m" in result.stderr
     text = (tmp_path / "cube" / "satellite.yaml").read_text()
     assert "altitude: 500 km" in text
     assert "wheel_axis: [0, 1, 0]" in text
