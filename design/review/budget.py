@@ -72,7 +72,8 @@ def sizes(error: Array, step: float, window: float, apart: float) -> dict[str, A
         "relative": (windows - means[:, None]).reshape(-1, 3),
         "drift": means[later:] - means[:-later],
     }
-    return {name: np.linalg.norm(v, axis=1) for name, v in vectors.items()}
+    # no attitude is more than pi from another, though vectors near pi turn over
+    return {name: np.minimum(np.linalg.norm(v, axis=1), math.pi) for name, v in vectors.items()}
 
 
 def statistics(flights: Sequence[Array], confidence: float) -> Statistics:

@@ -116,3 +116,15 @@ def test_differences_of_paired_flights_have_their_interval():
     rng = np.random.default_rng(1)
     covered = [abs(m) <= s for m, s in (budget.difference(rng.normal(size=4), np.zeros(4), 0.95) for _ in range(4000))]
     assert np.mean(covered) == pytest.approx(0.95, abs=0.01)
+
+
+def test_windows_begin_at_each_sample_and_no_size_is_beyond_half_a_turn():
+    """A ramp of 1 in 4 samples: each window of two has a mean between its ends, and none is left out."""
+    ramp = np.linspace(0.0, 0.3, 4)[:, None] * [1.0, 0.0, 0.0]
+    found = budget.sizes(ramp, 1.0, 2.0, 1.0)
+    assert found["mean"] == pytest.approx([0.05, 0.15, 0.25])
+    assert found["relative"] == pytest.approx([0.05] * 6)
+    assert found["drift"] == pytest.approx([0.1, 0.1])
+    turned = budget.sizes(np.array([[3.1, 0.0, 0.0], [-3.1, 0.0, 0.0], [3.1, 0.0, 0.0]]), 1.0, 1.0, 1.0)
+    assert turned["drift"].max() == pytest.approx(np.pi)
+    assert [len(v) for v in budget.sizes(ramp[:1], 1.0, 2.0, 1.0).values()] == [1, 0, 0, 0]
