@@ -65,7 +65,8 @@ def _parsed(text: str, file: str | None) -> Source:
             what = f"{error.context} from line {error.context_mark.line + 1} on, {error.problem}"
         what = _HELD.sub("", what)
         remedy = "quote a text that holds a colon with a space behind it" if error.problem == _COLON else ""
-        if error.problem_mark and text[: error.problem_mark.index].rstrip().endswith("]"):
+        behind = text[: error.problem_mark.index].rstrip(" ") if error.problem_mark else ""
+        if behind.endswith("]") and error.problem.endswith("'<scalar>'"):
             what, remedy = "text behind a list", "a unit stands at each number, as in [1 mm, 2 mm]"
         raise InputError(Problem(f"no valid YAML: {what}", remedy=remedy, place=Place(file or "text", line))) from None
     except RecursionError:

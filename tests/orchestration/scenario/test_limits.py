@@ -112,3 +112,7 @@ def test_a_colon_within_text_is_told_with_the_remedy(tmp_path: Path) -> None:
 def test_a_unit_after_a_list_is_told_with_the_remedy(text: str) -> None:
     with pytest.raises(InputError, match=r"no valid YAML: text behind a list; remedy: a unit stands at each number"):
         parse(text)
+    for other in ("x: [1, 2]\nmm\n", "x: [1, 2]]\n"):  # what is wrong is no unit of the list
+        with pytest.raises(InputError) as caught:
+            parse(other)
+        assert "behind a list" not in str(caught.value)
