@@ -36,8 +36,6 @@ PARTS = {
     "perfect": ("sensors_perfect.yaml", []),
 }
 """By the name of a set of sensors: its template, and the files of scenarios/sensors that it extends."""
-CHOSEN = ("body_axis", "wheels", "sensors")
-"""Values that are names, in any case of their letters."""
 
 
 def templates() -> template.Template:
@@ -67,7 +65,7 @@ def command(folder: Path | None, sets: tuple[str, ...], interactive: bool) -> No
     Without --set NAME=VALUE the command says which values it needs. The files have each value as it was given, and in a
     comment what follows from it. What is not plausible is named, and written all the same.
     """
-    found, given = templates(), settings(sets)
+    found, given = templates(), {name: _chosen(name, value) for name, value in settings(sets).items()}
     if interactive:
         given = asked(found, given)
     fill(found, folder or Path("satellite"), given)
@@ -99,11 +97,18 @@ def asked(found: template.Template, given: dict[str, Any]) -> dict[str, Any]:
     return answers
 
 
+def _chosen(name: str, value: Any) -> Any:
+    """Returns a value that is a name in small letters; `sensors` may be a path, which stays as it is."""
+    if not isinstance(value, str) or name not in ("body_axis", "wheels", "sensors"):
+        return value
+    return value if name == "sensors" and value.lower() not in PARTS else value.lower()
+
+
 def _answer(found: template.Template, name: str, text: str) -> Any:
     """Returns the answer to a question, which is asked until the answer can be taken; None of an empty one."""
     while answer := click.prompt(text, default="", show_default=False, err=True).strip():
         try:
-            value = parse(answer, name).data
+            value = _chosen(name, parse(answer, name).data)
             if "unit" in found.values[name]:
                 found.number(name, value)
             elif name == "wheels":
@@ -125,8 +130,6 @@ def fill(found: template.Template, folder: Path, given: dict[str, Any]) -> None:
         given = {"name": own, **given}
     if "orbit_radius" in given and "altitude" in given:
         raise InputError("--set altitude, --set orbit_radius: expected one of them, since each follows from the other")
-    plain = {name: value.lower() for name, value in given.items() if name in CHOSEN and isinstance(value, str)}
-    given |= {name: value for name, value in plain.items() if not Path(given[name]).is_file()}
     found.check(given)
     values, texts = followed(found, given)
     sensors, parts = _sensors(str(values["sensors"]))

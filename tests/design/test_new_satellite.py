@@ -288,7 +288,7 @@ def test_asked_in_the_terminal_it_takes_answers_and_leaves_what_is_not_needed(tm
 def test_asked_in_the_terminal_it_asks_again_for_what_it_cannot_take(tmp_path):
     answers = [
         "seven",
-        "one",
+        "One",
         "0.3 mN.m",
         "",
         "",
@@ -303,7 +303,7 @@ def test_asked_in_the_terminal_it_asks_again_for_what_it_cannot_take(tmp_path):
         "0.3 mN.m",
         "2 mN.m.s",
     ]
-    answers += ["[0, 1, 0]", "sextant", "cubesat", "500", "", "500 km", "97.4 deg"]
+    answers += ["[0, 1, 0]", "sextant", "CubeSat", "500", "", "500 km", "97.4 deg"]
     result = orchestrate("new", "satellite", str(tmp_path / "cube"), "--interactive", input="\n".join(answers) + "\n")
     assert result.exit_code == 0, result.stderr
     assert "expected 150 km to 1970 km, found 500 (500 m)" in result.stderr
