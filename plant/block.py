@@ -43,12 +43,14 @@ class State:
     R: Array
     Pi: Array
     l_w: Array
+    angle: Array
+    """Of each wheel (n,), rad; kept where one is not balanced."""
     dipole_mean: Array = field(default_factory=lambda: np.zeros(3))
     """Of the rods over the last step, A m2."""
 
     def Omega(self, p: Parameters) -> Array:
         """Body rate (3,), rad/s: J^-1 (Pi - sum l_i u_i), u_i the wheels' axes."""
-        return p.body.J_inverse.dot(self.Pi - self.l_w.dot(p.wheel_axes))
+        return p.body.J_inverse.dot(self.Pi - wheels_momentum(self.l_w, self.angle, p))
 
 
 @dataclass  # not frozen, which takes three times as long
@@ -83,7 +85,14 @@ class Outputs:
 def start(p: Parameters, u: Inputs) -> State:
     """The state at t = 0."""
     l_w = np.array(p.of_wheels(p.h_w0))
-    return State(t=0.0, R=p.R_NB0, Pi=p.body.J @ p.omega_B0 + l_w @ p.wheel_axes, l_w=l_w)
+    angle = np.zeros(len(l_w))
+    return State(t=0.0, R=p.R_NB0, Pi=p.body.J @ p.omega_B0 + wheels_momentum(l_w, angle, p), l_w=l_w, angle=angle)
+
+
+def wheels_momentum(l_w: Array, angle: Array, p: Parameters) -> Array:
+    """Momentum (3,) of the wheels in body axes, N m s, of l_w (n,) and the angle (n,) of each."""
+    sum_ = l_w.dot(p.wheel_axes)
+    return sum_ if p.imbalances is None else sum_ + p.imbalances.momentum(angle, l_w)
 
 
 def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
@@ -109,7 +118,7 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
             f"rod_period: expected at least a millionth of the communication step, {h} s, found {p.rod_period} s"
         )
     n = max(1, math.ceil(ratio))
-    R, Pi, l_w, on_time = x.R, x.Pi, x.l_w.tolist(), 0.0
+    R, Pi, l_w, angle, on_time = x.R, x.Pi, x.l_w.tolist(), x.angle, 0.0
     commands = p.of_wheels(u.wheel_torque_cmd)
     for i in range(n):
         t = x.t + i * (h / n)
@@ -117,21 +126,30 @@ def step(x: State, u: Inputs, p: Parameters, h: float) -> tuple[State, Outputs]:
             dipole_B = dipoles_B[on]
             on_time += duration if on else 0.0
             for part in parts(l_w, commands, duration, p.wheel_list):
-                R, Pi = _advance(R, Pi, part, moment, p, t)
+                R, Pi = _advance(R, Pi, part, angle, moment, p, t)
+                if p.imbalances is not None:
+                    angle = p.imbalances.turned(part, angle, part.duration)
                 t += part.duration
                 l_w = part.ends()
     mean = min(on_time / h, 1.0) * given
-    following = State(t=x.t + h, R=R, Pi=Pi, l_w=np.array(l_w), dipole_mean=mean)
+    following = State(t=x.t + h, R=R, Pi=Pi, l_w=np.array(l_w), angle=angle, dipole_mean=mean)
     return following, outputs(following, u, p)
 
 
-def _advance(R: Array, Pi: Array, part: Part, moment: Moment, p: Parameters, t: float) -> tuple[Array, Array]:
-    """The composed integrator over a part of a step in which the wheels move smoothly."""
+def _advance(
+    R: Array, Pi: Array, part: Part, angle: Array, moment: Moment, p: Parameters, t: float
+) -> tuple[Array, Array]:
+    """The composed integrator over a part of a step in which the wheels move smoothly, from these angles (n,)."""
     s = 0.0
-    tau = moment(R, t, p.body.J_inverse.dot(Pi - part.momentum(0.0).dot(p.wheel_axes)))
+    tau = moment(R, t, p.body.J_inverse.dot(Pi - wheels_momentum(part.momentum(0.0), angle, p)))
+    swing = None if p.imbalances is None else p.imbalances.swing(angle)
     for share in COMPOSITIONS[p.integrator_order]:
         h = share * part.duration
         mean, end = part.mean(s, h).dot(p.wheel_axes), part.momentum(s + h).dot(p.wheel_axes)
+        if p.imbalances is not None:
+            turned, before = p.imbalances.turned(part, angle, s + h), swing
+            swing = p.imbalances.swing(turned)
+            mean, end = mean + (swing - before) / h, wheels_momentum(part.momentum(s + h), turned, p)
         R, Pi, tau = lgvi_step(R, Pi, tau, moment, p.body, t + s, h, mean, end)
         s += h
     return R, Pi

@@ -136,6 +136,16 @@ def _check_wheels(p: Parameters) -> None:
             raise ValueError(f"wheel_breakaway_friction{of}: expected at least 0 N.m, found {wheel.breakaway_friction}")
         if not abs(wheel.gain) <= WHEEL_GAIN_MAX:
             raise ValueError(f"wheel_gain{of}: expected -{WHEEL_GAIN_MAX:g} to {WHEEL_GAIN_MAX:g}, found {wheel.gain}")
+        product, moment = (
+            np.broadcast_to(value, WHEELS_MAX)[i - 1] for value in (p.wheel_dynamic_imbalance, p.wheel_static_imbalance)
+        )
+        if not moment >= 0.0:
+            raise ValueError(f"wheel_static_imbalance{of}: expected at least 0 kg.m, found {moment} kg.m")
+        if not 0.0 <= product <= wheel.inertia:
+            raise ValueError(
+                f"wheel_dynamic_imbalance{of}: expected 0 to wheel_inertia, {wheel.inertia} kg.m2, "
+                f"found {product} kg.m2"
+            )
 
 
 def _check_ranges(p: Parameters, ranges: tuple[tuple[str, float, float, str], ...]) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from . import atmosphere, geomagnetic, orbit, tables, time_scales
 from .attitude import Body
 from .drag import Drag, octagonal_cylinder
+from .imbalance import Imbalances, imbalances
 from .rods import Turns
 from .so3 import Array, from_quaternion, project
 from .solar_pressure import SolarPressure
@@ -81,6 +82,9 @@ class Parameters:
     they are (4,) and (4, 3)."""
     wheel_gain: OfWheels = 1.0
     wheel_breakaway_friction: OfWheels = 0.0
+    wheel_static_imbalance: OfWheels = 0.0
+    wheel_dynamic_imbalance: OfWheels = 0.0
+    wheel_position_B: OfWheels = 0.0
 
     @cached_property
     def body(self) -> Body:
@@ -111,6 +115,15 @@ class Parameters:
             *(self.wheel_coulomb_friction, self.wheel_breakaway_friction, self.wheel_gain),
         )
         return [Wheel(*values) for values in zip(*map(self.of_wheels, of_each), strict=True)]
+
+    @cached_property
+    def imbalances(self) -> Imbalances | None:
+        """Those of the wheels that are there; None where they are balanced, as the block's one wheel is."""
+        if not self.is_set:
+            return None
+        of_each = self.wheel_inertia, self.wheel_dynamic_imbalance, self.wheel_static_imbalance
+        sizes = [np.broadcast_to(value, 4)[: self.wheels] for value in of_each]
+        return imbalances(self.wheel_axes, *sizes, np.broadcast_to(self.wheel_position_B, (4, 3))[: self.wheels])
 
     @cached_property
     def rods_to_body(self) -> Array:

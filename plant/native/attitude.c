@@ -53,7 +53,7 @@ static Matrix cayley(Vector f)
                     {c * (f.x * f.z - f.y), c * (f.y * f.z + f.x), 1.0 - c * (f.x * f.x + f.y * f.y)}};
 }
 
-Vector plant_wheels_momentum(const Body *body, const double l_w[PLANT_WHEELS])
+static Vector along_axes(const Body *body, const double l_w[PLANT_WHEELS])
 {
     Vector sum = scale(l_w[0], body->wheel_axes[0]);
     for (int i = 1; i < PLANT_WHEELS; ++i) {
@@ -62,11 +62,18 @@ Vector plant_wheels_momentum(const Body *body, const double l_w[PLANT_WHEELS])
     return sum;
 }
 
-bool plant_advance(const Body *body, int order, const Segment wheels[PLANT_WHEELS], Moment *moment, Announce *announce,
-                   void *context, double t, Attitude *x, Fault *f)
+Vector plant_wheels_momentum(const Body *body, const double l_w[PLANT_WHEELS], const double angle[PLANT_WHEELS])
+{
+    const Vector sum = along_axes(body, l_w);
+    return body->unbalanced ? add(sum, plant_imbalance_momentum(body->imbalances, angle, l_w)) : sum;
+}
+
+bool plant_advance(const Body *body, int order, const Segment wheels[PLANT_WHEELS], const double angle[PLANT_WHEELS],
+                   Moment *moment, Announce *announce, void *context, double t, Attitude *x, Fault *f)
 {
     const Composition *composition = order == 2 ? &order_2 : order == 4 ? &order_4 : &order_6;
     double before = 0.0, s = 0.0;
+    Vector swing = body->unbalanced ? plant_imbalance_swing(body->imbalances, angle) : (Vector){0.0, 0.0, 0.0};
     for (int i = 0;; ++i) {
         const double h = composition->shares[i] * wheels->duration;
         /* The second half of the moment's kick of the substep before, and the first half of this one's. */
@@ -79,9 +86,15 @@ bool plant_advance(const Body *body, int order, const Segment wheels[PLANT_WHEEL
         for (int k = 0; k < PLANT_WHEELS; ++k) {
             moved[k] = h * plant_segment_mean(&wheels[k], s, h);
         }
-        const Vector p = plant_wheels_momentum(body, moved);
-        Vector turn;
+        Vector p = along_axes(body, moved), turn;
         s += h;
+        if (body->unbalanced) {
+            const Vector start = swing;
+            double turned[PLANT_WHEELS];
+            plant_imbalance_turned(body->imbalances, wheels, angle, s, turned);
+            swing = plant_imbalance_swing(body->imbalances, turned);
+            p = add(p, subtract(swing, start));
+        }
         announce(context, t + s);
         if (!solve_cayley(body, a, p, &turn)) {
             return fault(f, "step_max", norm(apply(body->J_inverse, subtract(a, p))),

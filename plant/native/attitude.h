@@ -10,6 +10,7 @@
 #define PLANT_ATTITUDE_H
 
 #include "fault.h"
+#include "imbalance.h"
 #include "vector.h"
 #include "wheel.h"
 
@@ -24,6 +25,8 @@ typedef struct {
     Matrix J, J_inverse, J_twice;    /* kg m2, wheels locked */
     double compliance;               /* trace of (2 J)^-1, which lengthens a vector by no more */
     Vector wheel_axes[PLANT_WHEELS]; /* unit */
+    bool unbalanced;                 /* any wheel */
+    Imbalance imbalances[PLANT_WHEELS];
 } Body;
 
 typedef struct {
@@ -31,11 +34,11 @@ typedef struct {
     Vector Pi; /* N m s, body axes */
 } Attitude;
 
-/* Momentum of the wheels in body axes, of l_w of each. */
-Vector plant_wheels_momentum(const Body *body, const double l_w[PLANT_WHEELS]);
+/* Momentum of the wheels in body axes, of l_w and the angle of each. */
+Vector plant_wheels_momentum(const Body *body, const double l_w[PLANT_WHEELS], const double angle[PLANT_WHEELS]);
 
-/* From t over a part of a step in which the wheels move smoothly. order: 2, 4 or 6. */
-bool plant_advance(const Body *body, int order, const Segment wheels[PLANT_WHEELS], Moment *moment, Announce *announce,
-                   void *context, double t, Attitude *x, Fault *f);
+/* From t, where the wheels are at `angle`, over a part of a step in which they move smoothly. order: 2, 4 or 6. */
+bool plant_advance(const Body *body, int order, const Segment wheels[PLANT_WHEELS], const double angle[PLANT_WHEELS],
+                   Moment *moment, Announce *announce, void *context, double t, Attitude *x, Fault *f);
 
 #endif

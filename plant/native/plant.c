@@ -22,7 +22,8 @@ bool plant_start(const PlantLaw *plant, const PlantInputs *u, PlantState *x, Fau
     *x = (PlantState){.t = 0.0};
     memcpy(x->l_w, plant->h_w0, sizeof x->l_w);
     store_matrix(plant->R_NB0, x->R);
-    store(add(apply(plant->body.J, vector(plant->p.omega_B0)), plant_wheels_momentum(&plant->body, plant->h_w0)),
+    store(add(apply(plant->body.J, vector(plant->p.omega_B0)),
+              plant_wheels_momentum(&plant->body, plant->h_w0, x->angle)),
           x->Pi);
     return true;
 }
@@ -125,8 +126,9 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     Acting acting = {plant, with_rods};
     const PlantState *now = x; /* ISO C takes no array of an unqualified struct for a const one */
     Attitude attitude = {matrix(now->R), vector(now->Pi)};
-    double l_w[PLANT_WHEELS], on_time = 0.0;
+    double l_w[PLANT_WHEELS], angle[PLANT_WHEELS], on_time = 0.0;
     memcpy(l_w, now->l_w, sizeof l_w);
+    memcpy(angle, now->angle, sizeof angle);
     for (int i = 0; i < n; ++i) {
         double t = x->t + i * (h / n), left = h / n;
         for (Turn turn = plant_turn_at(&plant->p, t); left > 0.0; turn = plant_next_turn(turn)) {
@@ -136,9 +138,12 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
             for (double rest = duration; rest > 0.0;) {
                 Segment wheels[PLANT_WHEELS];
                 const double part = plant_wheels_part(plant->wheels, l_w, u->wheel_torque_cmd, rest, wheels);
-                if (!plant_advance(&plant->body, plant->p.integrator_order, wheels, external_moment, surroundings_ahead,
-                                   &acting, t, &attitude, f)) {
+                if (!plant_advance(&plant->body, plant->p.integrator_order, wheels, angle, external_moment,
+                                   surroundings_ahead, &acting, t, &attitude, f)) {
                     return false;
+                }
+                if (plant->body.unbalanced) {
+                    plant_imbalance_turned(plant->body.imbalances, wheels, angle, part, angle);
                 }
                 t += part;
                 rest -= part;
@@ -152,6 +157,7 @@ bool plant_step(PlantLaw *plant, PlantState *x, const PlantInputs *u, double h, 
     PlantState next;
     next.t = x->t + h;
     memcpy(next.l_w, l_w, sizeof next.l_w);
+    memcpy(next.angle, angle, sizeof next.angle);
     store(scale(smaller(on_time / h, 1.0), plant_rod_dipoles(&plant->p, u, true)), next.dipole_mean);
     store_matrix(attitude.R, next.R);
     store(attitude.Pi, next.Pi);
@@ -185,7 +191,8 @@ bool plant_outputs(PlantLaw *plant, const PlantState *x, const PlantInputs *u, P
     const PlantParameters *p = &plant->p;
     const Matrix R = matrix(x->R), J = plant->body.J;
     const Vector Pi = vector(x->Pi);
-    const Vector Omega = apply(plant->body.J_inverse, subtract(Pi, plant_wheels_momentum(&plant->body, x->l_w)));
+    const Vector Omega =
+        apply(plant->body.J_inverse, subtract(Pi, plant_wheels_momentum(&plant->body, x->l_w, x->angle)));
     const Loads *loads = loads_at(plant, &R, x->t);
     const OrbitState motion = plant_motion_at(&plant->environment.orbit, x->t);
     const Vector dipole = plant_rod_dipoles(p, u, plant_turn_at(p, x->t).on), H_N = apply(R, Pi);

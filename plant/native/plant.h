@@ -16,8 +16,9 @@ typedef struct {
     double R[3][3]; /* N from B */
     /* J Omega + sum l_i u_i [12], u_i the wheels' axes, N m s: what is conserved, so that no conversion adds rounding */
     double Pi[3];
-    double l_w[PLANT_WHEELS]; /* N m s */
-    double dipole_mean[3];    /* of the rods over the last step, A m2 */
+    double l_w[PLANT_WHEELS];   /* N m s */
+    double angle[PLANT_WHEELS]; /* of the wheels, rad; kept where one is not balanced */
+    double dipole_mean[3];      /* of the rods over the last step, A m2 */
 } PlantState;
 
 /* An octagonal cylinder, eight sides and two ends, along a body axis; the normals of four sides lie along the two

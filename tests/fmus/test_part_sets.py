@@ -106,7 +106,11 @@ def test_the_terminals_of_a_set_do_not_fit_those_of_one_wheel() -> None:
 def test_the_plant_for_a_set_has_all_that_the_one_for_one_wheel_has() -> None:
     one, four = load("plant"), load("plant_wheels")
     assert four.code == "plant"
-    assert set(four.variables) - set(one.variables) == {"wheels", "wheel_gain", "wheel_breakaway_friction"}
+    assert set(four.variables) - set(one.variables) == {"wheels", "wheel_gain", "wheel_breakaway_friction"} | {
+        "wheel_static_imbalance",
+        "wheel_dynamic_imbalance",
+        "wheel_position_B",
+    }
     changed = [n for n, v in one.variables.items() if v.shape != four.variables[n].shape]
     assert all(four.variables[n].shape == (4, *one.variables[n].shape) for n in changed)
     assert len(changed) == 13

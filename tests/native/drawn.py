@@ -210,6 +210,9 @@ def plant_wheels_case(rng: np.random.Generator) -> tuple[Any, Any]:
         "wheel_breakaway_friction": rng.choice([0.0, 3e-4, 1e-3], 4),
         "wheel_gain": rng.choice([1.0, 0.0, -1.0, 0.7], 4),
         "h_w0": rng.choice([0.0, 1.0], 4) * rng.uniform(-1e-3, 1e-3, 4),
+        "wheel_static_imbalance": rng.choice([0.0, 1e-6], 4),
+        "wheel_dynamic_imbalance": rng.choice([0.0, 1e-7], 4),
+        "wheel_position_B": rng.uniform(-0.3, 0.3, (4, 3)),
     }
     p = parameters("plant_wheels", **{**vars(body), **own})
     return p, inputs("plant_wheels", dipole_cmd=commands.dipole_cmd, wheel_torque_cmd=rng.normal(scale=2e-3, size=4))
