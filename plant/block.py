@@ -142,7 +142,7 @@ def _advance(
     """The composed integrator over a part of a step in which the wheels move smoothly, from these angles (n,)."""
     s = 0.0
     tau = moment(R, t, p.body.J_inverse.dot(Pi - wheels_momentum(part.momentum(0.0), angle, p)))
-    swing = None if p.imbalances is None else p.imbalances.swing(angle)
+    swing = np.zeros(3) if p.imbalances is None else p.imbalances.swing(angle)
     for share in COMPOSITIONS[p.integrator_order]:
         h = share * part.duration
         mean, end = part.mean(s, h).dot(p.wheel_axes), part.momentum(s + h).dot(p.wheel_axes)

@@ -57,5 +57,9 @@ def imbalances(axes: Array, inertia: Array, product: Array, moment: Array, posit
         return None
     across = np.cross(axes, np.eye(3)[np.abs(axes).argmin(axis=1)])
     e = across / np.linalg.norm(across, axis=1, keepdims=True)
-    both = [product[:, None] * way + moment[:, None] * np.cross(position, way) for way in (e, np.cross(axes, e))]
-    return Imbalances(*both, inertia)
+
+    def moved(way: Array) -> Array:
+        """(U_d + U_s r^) of ways (n, 3)."""
+        return np.asarray(product[:, None] * way + moment[:, None] * np.cross(position, way))
+
+    return Imbalances(moved(e), moved(np.cross(axes, e)), inertia)

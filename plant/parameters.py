@@ -121,9 +121,12 @@ class Parameters:
         """Those of the wheels that are there; None where they are balanced, as the block's one wheel is."""
         if not self.is_set:
             return None
-        of_each = self.wheel_inertia, self.wheel_dynamic_imbalance, self.wheel_static_imbalance
-        sizes = [np.broadcast_to(value, 4)[: self.wheels] for value in of_each]
-        return imbalances(self.wheel_axes, *sizes, np.broadcast_to(self.wheel_position_B, (4, 3))[: self.wheels])
+        inertia, product, moment = (
+            np.array(self.of_wheels(np.broadcast_to(value, 4)))
+            for value in (self.wheel_inertia, self.wheel_dynamic_imbalance, self.wheel_static_imbalance)
+        )
+        positions = np.broadcast_to(self.wheel_position_B, (4, 3))[: self.wheels]
+        return imbalances(self.wheel_axes, inertia, product, moment, positions)
 
     @cached_property
     def rods_to_body(self) -> Array:

@@ -10,6 +10,7 @@ MODULES = (
     "torque_free",
     "orekit",
     "basilisk",
+    "basilisk_wheels",
     "libration",
     "structure",
     "integrator",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -14,8 +16,11 @@ from tests.plant.motion import FULL_INERTIA, checked, command, fly
 MU, PERIOD = 3.986004418e14, 5792.0
 
 
-def _by_basilisk(R0, omega, r, v, duration: float, step: float, gravity_gradient: bool) -> np.ndarray:
-    """R after `duration`, s, by Basilisk's eighth-order integrator at a step, s."""
+def by_basilisk(
+    R0, omega, r, v, duration: float, step: float, gravity_gradient: bool, more: Callable[..., Any] | None = None
+) -> np.ndarray:
+    """R after `duration`, s, by Basilisk's eighth-order integrator at a step, s; `more` adds to the spacecraft what it
+    is given with the simulation."""
     from Basilisk.simulation import GravityGradientEffector, spacecraft, svIntegrators
     from Basilisk.utilities import RigidBodyKinematics, SimulationBaseClass, macros, simIncludeGravBody
 
@@ -43,12 +48,14 @@ def _by_basilisk(R0, omega, r, v, duration: float, step: float, gravity_gradient
         effector.addPlanetName(earth.planetName)
         body.addDynamicEffector(effector)
         simulation.AddModelToTask("step", effector)
+    kept = None if more is None else more(simulation, body)  # C++ points to it
     log = body.scStateOutMsg.recorder(macros.sec2nano(duration))
     simulation.AddModelToTask("step", log)
     simulation.InitializeSimulation()
     simulation.ConfigureStopTime(macros.sec2nano(duration))
     simulation.ExecuteSimulation()
     assert log.times()[-1] == macros.sec2nano(duration)
+    del kept
     return RigidBodyKinematics.MRP2C(np.array(log.sigma_BN[-1])).T
 
 
@@ -65,7 +72,7 @@ def difference(gravity_gradient: bool) -> float:
         integrator_order=6,
         step_max=0.1,
     )
-    theirs = _by_basilisk(R0, omega, *p.orbit.position_velocity(0.0), PERIOD, 0.5, gravity_gradient)  # type: ignore[call-arg]
+    theirs = by_basilisk(R0, omega, *p.orbit.position_velocity(0.0), PERIOD, 0.5, gravity_gradient)  # type: ignore[call-arg]
     return angle_between(fly(p, command(), PERIOD / 10.0, 10)[-1].R, theirs)
 
 
@@ -88,7 +95,7 @@ def difference_made_by_gravity() -> float:
     omega = np.array([0.02, -0.03, 0.02])
     p = checked(J_B=FULL_INERTIA)
     start = (Rotation.random(random_state=12).as_matrix(), omega, *p.orbit.position_velocity(0.0), PERIOD, 0.5)
-    return angle_between(_by_basilisk(*start, True), _by_basilisk(*start, False))  # type: ignore[call-arg]
+    return angle_between(by_basilisk(*start, True), by_basilisk(*start, False))  # type: ignore[call-arg]
 
 
 @authority(
