@@ -72,7 +72,9 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
         const Vector along = apply_transposed(R, x->shedding);
         dipole = shedding_dipole(law->rods, p->dipole_max, p->rod_limits, along, b);
     }
-    const Vector by_rods = cross(apply_transposed(law->rods, dipole), b);
+    dipole = controller_planned_wheels_by_gains(law, x->rod_gains, dipole);
+    const Vector gains = x->rod_gains, given = {gains.x * dipole.x, gains.y * dipole.y, gains.z * dipole.z};
+    const Vector by_rods = cross(apply_transposed(law->rods, given), b);
     const Wanted plan = controller_planned_wheels_plan_at(x, &s->target, p->command_period);
     Vector tau;
     if (sheds) {
@@ -101,7 +103,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     y->phase = x->phase;
     y->reduced = false;
     store(x->disturbance_B, y->disturbance_B);
-    store((Vector){1.0, 1.0, 1.0}, y->rod_gains_estimate);
+    controller_planned_wheels_report_rods(x->rod_gains, y);
 }
 
 /*@ requires \separated(x, y, f);
@@ -136,10 +138,15 @@ static bool advance(ControllerPlannedWheelsLaw *law, const ControllerPlannedWhee
     }
     const int32_t few = controller_planned_wheels_few(law, &s, x);
     if (few > 0) {
+        x->shown = 0.0;
         return controller_planned_wheels_step_few(law, few, first, h, u, x, y, f);
     }
     controller_planned_wheels_decide(law, &s, u, first || x->few > 0, x);
     x->few = 0;
+    if (first && !controller_planned_wheels_start_rods(law, u, x, f)) {
+        return false;
+    }
+    controller_planned_wheels_watch_rods(law, &s, h, u, x);
     command(law, x, &s, u, y);
     return true;
 }
@@ -150,6 +157,7 @@ bool controller_planned_wheels_start(ControllerPlannedWheelsLaw *law, const Cont
     ControllerPlannedWheelsOutputs y;
     (void)memset(x, 0, sizeof *x);
     x->axis = (Vector){1.0, 0.0, 0.0};
+    x->rod_gains = (Vector){1.0, 1.0, 1.0};
     x->across = add_scaled(x->across, ACROSS, identity);
     x->along = add_scaled(x->along, 1.0 - ACROSS, identity);
     x->turn = (SlewTurn){0.0, 1.0, 1.0};

@@ -28,7 +28,10 @@ typedef struct {
     Matrix across;        /* in N: the mean of 1 - b b' over the orbit behind, (12) */
     Matrix along;         /* in axes of the target: the mean of b b' over the orbit behind */
     int32_t few;          /* 1 to WHEELS_MAX: the one wheel that is planned; above: there is none; 0: all are */
-    ControllerPlannedState planned; /* with one wheel or none */
+    Vector rod_gains;     /* that are believed */
+    double shown;         /* s, for which samples have shown what rods do */
+    Vector h;             /* N m s, of the wheels at the last of them */
+    ControllerPlannedState planned; /* with one wheel or none; else its filter, for the rods */
 } ControllerPlannedWheelsState;
 
 /* Parameters and what follows from them alone. */

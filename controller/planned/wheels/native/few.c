@@ -61,8 +61,8 @@ ControllerPlannedParameters controller_planned_wheels_few_parameters(const Contr
 
 /* What the plan sees: the field, the orbit, and the wheel that works. That gave what was asked for: the friction that
  * the command has beside it is the allocator's. */
-static ControllerPlannedInputs seen(const ControllerPlannedWheelsInputs *u, const ControllerPlannedWheelsState *x,
-                                    int32_t few)
+ControllerPlannedInputs controller_planned_wheels_seen(const ControllerPlannedWheelsInputs *u,
+                                                       const ControllerPlannedWheelsState *x, int32_t few)
 {
     static const double absent = 1e9; /* not connected */
     ControllerPlannedInputs of = {.attitude_bound = absent, .rate_health = -1, .field_health = -1};
@@ -128,6 +128,8 @@ static void give(const ControllerPlannedWheelsLaw *law, const ControllerPlannedW
     y->reduced = true;
     store(vector(of->disturbance_B), y->disturbance_B);
     store(vector(of->rod_gains_estimate), y->rod_gains_estimate);
+    y->rod_failed = of->rod_failed;
+    y->failed_rod = of->failed_rod;
 }
 
 void controller_planned_wheels_prepare_few(ControllerPlannedWheelsLaw *law, int32_t few)
@@ -154,7 +156,7 @@ bool controller_planned_wheels_step_few(ControllerPlannedWheelsLaw *law, int32_t
                                         const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsState *x,
                                         ControllerPlannedWheelsOutputs *y, Fault *f)
 {
-    ControllerPlannedInputs now = seen(u, x, few);
+    ControllerPlannedInputs now = controller_planned_wheels_seen(u, x, few);
     ControllerPlannedOutputs given;
     know_others(law, u, few);
     const bool begins = first || x->few != few;
@@ -186,7 +188,7 @@ bool controller_planned_wheels_outputs_few(ControllerPlannedWheelsLaw *law, cons
                                            const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
                                            Fault *f)
 {
-    const ControllerPlannedInputs now = seen(u, x, x->few);
+    const ControllerPlannedInputs now = controller_planned_wheels_seen(u, x, x->few);
     ControllerPlannedOutputs given;
     know_others(law, u, x->few);
     if (!controller_planned_outputs(&law->planned, &x->planned, &now, &given, f)) {

@@ -57,6 +57,10 @@ int32_t controller_planned_wheels_few(const ControllerPlannedWheelsLaw *law, con
 ControllerPlannedParameters controller_planned_wheels_few_parameters(const ControllerPlannedWheelsParameters *p,
                                                                      int32_t few);
 
+/* What the plan sees: the field, the orbit, and the wheel that works. */
+ControllerPlannedInputs controller_planned_wheels_seen(const ControllerPlannedWheelsInputs *u,
+                                                       const ControllerPlannedWheelsState *x, int32_t few);
+
 /* Prepares the plan with that wheel. */
 void controller_planned_wheels_prepare_few(ControllerPlannedWheelsLaw *law, int32_t few);
 
@@ -68,5 +72,19 @@ bool controller_planned_wheels_step_few(ControllerPlannedWheelsLaw *law, int32_t
 bool controller_planned_wheels_outputs_few(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x,
                                            const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsOutputs *y,
                                            Fault *f);
+
+/* Nothing is known of the rods yet. */
+bool controller_planned_wheels_start_rods(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
+                                          ControllerPlannedWheelsState *x, Fault *f);
+
+/* What the sample, which ends the step h, shows of the rods: x->rod_gains are those that are believed. */
+void controller_planned_wheels_watch_rods(ControllerPlannedWheelsLaw *law, const Sample *s, double h,
+                                          const ControllerPlannedWheelsInputs *u, ControllerPlannedWheelsState *x);
+
+/* The commands, A m2, that give the wanted dipoles along the rods. */
+Vector controller_planned_wheels_by_gains(const ControllerPlannedWheelsLaw *law, Vector gains, Vector wanted);
+
+/* The outputs of the rods. */
+void controller_planned_wheels_report_rods(Vector gains, ControllerPlannedWheelsOutputs *y);
 
 #endif
