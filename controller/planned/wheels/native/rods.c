@@ -7,8 +7,9 @@
 static const double SIGMA = 0.01; /* rad, of the attitude: the filter takes it as it is, and learns from the rate */
 static const double WAIT = 300.0; /* s, in which an estimator comes to know rate and field */
 static const double PAUSE = 4.0;  /* T, in which the filter comes to know the noise of the rate */
-/* Of the rods' torque and dipole, what lasts: with wheels a satellite bears more than one that the rods have to hold. */
-static const double DISTURBANCE = 0.1, RESIDUAL = 0.2, SOONER = 3.0; /* SOONER is it forgotten */
+/* Of the rods' torque and dipole, what lasts: with wheels a satellite bears more than one that the rods have to hold.
+ * That torque changes so much sooner than controller_planned takes it to. */
+static const double DISTURBANCE = 0.1, RESIDUAL = 0.2, SOONER = 10.0;
 static const double NOISE = 0.005;                          /* 1/T, of the rate: errors of the model are no less */
 static const double LEAST_WHEEL = 1e-9;                     /* N m, where the wheels took nothing */
 static const double KNOWN = 0.15;                           /* deviation of a gain from which on it is known */
