@@ -70,7 +70,7 @@ class Inputs:
 
     @cached_property
     def has_reference(self) -> bool:
-        """Whether the reference is given by the inputs. Raises ValueError for inputs that do not fit."""
+        """Returns whether the reference is given by the inputs. Raises ValueError for inputs that do not fit."""
         reference = self.R_ref.ravel().tolist(), self.Omega_ref.tolist(), self.dOmega_ref.tolist()
         if not math.isfinite(sum(map(sum, (self.omega_B.tolist(), self.r_N.tolist(), self.v_N.tolist(), *reference)))):
             self._refuse_not_finite()
@@ -85,7 +85,7 @@ class Inputs:
 
     @cached_property
     def has_attitude(self) -> bool:
-        """Whether R_NB is none of the matrices of zeros that simple masters give before the first value."""
+        """Returns whether R_NB is none of the matrices of zeros that simple masters give before the first value."""
         return any(map(any, self.R_NB.tolist()))
 
     def _refuse_not_finite(self) -> None:

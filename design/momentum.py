@@ -74,7 +74,7 @@ class Verdict:
 
     @property
     def possible(self) -> bool:
-        """Whether nothing is proven against T."""
+        """Returns whether nothing is proven against T."""
         return self.gap <= 0.0
 
 

@@ -63,12 +63,12 @@ class Watch:
 
     @property
     def trusted(self) -> bool:
-        """Whether it is to be used."""
+        """Returns whether it is to be used."""
         return not (self.frozen or self.suspect)
 
     @property
     def repeats(self) -> bool:
-        """Whether it repeats itself, but not yet for long: what it says is not weighed meanwhile."""
+        """Returns whether it repeats itself, but not yet for long: what it says is not weighed meanwhile."""
         return self.changes == REPEATS and bool((self.run >= FEW).any())
 
     @property
@@ -84,7 +84,7 @@ class Watch:
 
     @property
     def jumped_to_rest(self) -> bool:
-        """Whether it is frozen and jumped just before: to its last value."""
+        """Returns whether it is frozen and jumped just before: to its last value."""
         return self.frozen and self.jumped < JUST
 
 

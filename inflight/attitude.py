@@ -80,7 +80,7 @@ class Attitudes:
 
     @property
     def trusted(self) -> bool:
-        """Whether the attitude became unique and the gyro's errors are such as were expected."""
+        """Returns whether the attitude became unique and the gyro's errors are such as were expected."""
         return bool(self.unique[-1]) and self.strain <= STRAIN_MAX
 
     @property

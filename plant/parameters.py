@@ -93,7 +93,7 @@ class Parameters:
 
     @property
     def is_set(self) -> bool:
-        """Whether the block is that for a set of wheels."""
+        """Returns whether the block is that for a set of wheels."""
         return self.wheel_axis.ndim == 2
 
     @cached_property

@@ -120,7 +120,7 @@ def _gains(u: Inputs, p: Parameters, watch: Watch | None) -> Array:
 
 
 def connected(value: OfWheels) -> bool:
-    """Whether an optional input is connected, by its value."""
+    """Returns whether an optional input is connected, by its value."""
     return not (np.abs(value) >= ABSENT_MIN).any()
 
 

@@ -96,7 +96,7 @@ class Watch:
         return tried * self.probing(np.zeros(p.wheels), h_w, p)
 
     def is_tried(self, p: Parameters) -> NDArray[np.bool_]:
-        """Whether each wheel (wheels,) is tried now."""
+        """Returns whether each wheel (wheels,) is tried now."""
         return p.find_failures & (self.failed_for[: p.wheels] > RETRY)
 
     def sign(self, p: Parameters) -> Array:
@@ -104,7 +104,7 @@ class Watch:
         return np.where(self.reversed(p), -1.0, 1.0)
 
     def reversed(self, p: Parameters) -> NDArray[np.bool_]:
-        """Whether each wheel (4,) gives the opposite of its commands, as its trial showed."""
+        """Returns whether each wheel (4,) gives the opposite of its commands, as its trial showed."""
         return p.find_failures & (self.tried < -WORKS)
 
     def rows(self) -> Array:
@@ -118,5 +118,5 @@ class Watch:
         return replace(self, h_w=h_w, command=command, expected=expected)
 
     def failed(self, p: Parameters) -> NDArray[np.bool_]:
-        """Whether each wheel (4,) is one that failed, where that is looked for."""
+        """Returns whether each wheel (4,) is one that failed, where that is looked for."""
         return p.find_failures & (self.failed_for > 0.0)

@@ -52,7 +52,7 @@ class Flown:
 
     @property
     def kept(self) -> Array:
-        """Whether it settled in the manoeuvre and no error left its tolerance in the orbit."""
+        """Returns whether it settled in the manoeuvre and no error left its tolerance in the orbit."""
         return np.isfinite(self.settled) & (self.out == 0.0)
 
 

@@ -56,7 +56,7 @@ class Row:
 
     @property
     def pair(self) -> bool:
-        """Whether two parts fail, which is flown and reported, without a goal."""
+        """Returns whether two parts fail, which is flown and reported, without a goal."""
         return "rods 1 and 2" in self.text
 
     @property

@@ -32,7 +32,7 @@ class Loop:
 
     @property
     def counted(self) -> bool:
-        """Whether it counts to a constant, and its body leaves the counter alone."""
+        """Returns whether it counts to a constant, and its body leaves the counter alone."""
         found = _HEAD.fullmatch(self.head)
         if found is None:
             return False

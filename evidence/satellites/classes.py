@@ -42,7 +42,7 @@ class Satellite:
 
     @property
     def has_wheel(self) -> bool:
-        """Whether its wheel is more than next to nothing."""
+        """Returns whether its wheel is more than next to nothing."""
         return self.wheel_torque_max > 1e-6
 
     @property

@@ -45,7 +45,7 @@ class Missing(Searched):
 
     @property
     def excluded(self) -> bool:
-        """Whether no controller keeps it settled."""
+        """Returns whether no controller keeps it settled."""
         return self.share > PROVEN
 
 
@@ -64,7 +64,7 @@ class Closest(Searched):
 
     @property
     def none_within(self) -> bool:
-        """Whether no motion within LOST was found to the end, or none that repeats in either orbit."""
+        """Returns whether no motion within LOST was found to the end, or none that repeats in either orbit."""
         repeating = self.first_orbit_deg, self.last_orbit_deg
         return self.to_end_deg >= LOST or all(error >= LOST for error in repeating)
 

@@ -78,7 +78,7 @@ class Pair:
 
     @property
     def fits(self) -> bool:
-        """Whether what is required holds."""
+        """Returns whether what is required holds."""
         slow = abs(self.single.settled - self.double.settled) <= TIME * max(self.double.settled, 1.0)
         return slow and abs(self.single.rms - self.double.rms) <= max(RMS * self.double.rms, LEAST_RMS)
 

@@ -68,7 +68,7 @@ class Acceptance:
 
     @property
     def passed(self) -> bool:
-        """Whether none has failed, and the loop was flown."""
+        """Returns whether none has failed, and the loop was flown."""
         return self.comparison is not None and all(one.status != "failed" for one in self.requirements)
 
     @property

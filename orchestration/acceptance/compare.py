@@ -56,7 +56,7 @@ class Comparison:
 
     @property
     def met(self) -> bool:
-        """Whether theirs meets every expectation whose signals it has."""
+        """Returns whether theirs meets every expectation whose signals it has."""
         return self.theirs.passed
 
     @property

@@ -43,7 +43,7 @@ class Difference:
 
     @property
     def wide(self) -> bool:
-        """Whether a tolerance allows it, though it is no small one."""
+        """Returns whether a tolerance allows it, though it is no small one."""
         return self.passed and self.share is not None and self.share > WIDE
 
 

@@ -42,7 +42,7 @@ class Hold:
 
     @property
     def latched(self) -> bool:
-        """Whether the run ended in it."""
+        """Returns whether the run ended in it."""
         return self.outcome == LATCHED
 
     @property

@@ -55,7 +55,7 @@ class CoSimulation:
 
     @property
     def steps_inside(self) -> bool:
-        """Whether it divides each step into steps of a fixed length, of which it has to be a multiple."""
+        """Returns whether it divides each step into steps of a fixed length, of which it has to be a multiple."""
         return self.inside is not None
 
     def sample_time(self) -> Fraction | None:

@@ -91,7 +91,7 @@ class Variable:
 
     @cached_property
     def is_array(self) -> bool:
-        """Whether it is an array of FMI 3.0, which is exchanged in one piece."""
+        """Returns whether it is an array of FMI 3.0, which is exchanged in one piece."""
         return len(self.references) < self.size
 
     @property

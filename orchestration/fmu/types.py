@@ -22,7 +22,7 @@ class Native(NamedTuple):
 
     @property
     def whole(self) -> bool:
-        """Whether it holds whole numbers only, of which a Boolean is none."""
+        """Returns whether it holds whole numbers only, of which a Boolean is none."""
         return self.type in ("integer", "enumeration")
 
     @property

@@ -38,7 +38,7 @@ class Trace:
 
     @property
     def done(self) -> bool:
-        """Whether the work is done, whatever came of it."""
+        """Returns whether the work is done, whatever came of it."""
         return self.page[0] != 0
 
     def finish(self) -> None:

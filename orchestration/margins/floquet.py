@@ -114,7 +114,7 @@ class Orbit:
 
     @property
     def known(self) -> bool:
-        """Whether the multipliers are a result."""
+        """Returns whether the multipliers are a result."""
         return self.rest <= UNSEEN and self.spread <= SPREAD
 
     @property

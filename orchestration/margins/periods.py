@@ -89,7 +89,7 @@ class Followed:
 
     @property
     def repeats(self) -> bool:
-        """Whether a linear map takes the last period but one to the last."""
+        """Returns whether a linear map takes the last period but one to the last."""
         return self.windows[-1].rest <= UNSEEN
 
     @property

@@ -87,7 +87,7 @@ class RunData(Mapping[str, NDArray[Any]]):
 
     @property
     def passed(self) -> bool:
-        """Whether the run came to its end and every expectation that could be evaluated is met."""
+        """Returns whether the run came to its end and every expectation that could be evaluated is met."""
         return self.failure is None and not self.interrupted and all(outcome.passed for outcome in self.outcomes)
 
     @property

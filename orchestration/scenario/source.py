@@ -34,7 +34,7 @@ class StartName(NamedTuple):
 
     @property
     def shared(self) -> bool:
-        """Whether every block that has such a parameter takes it."""
+        """Returns whether every block that has such a parameter takes it."""
         return self.block == "shared"
 
     @property

@@ -61,7 +61,7 @@ class Link:
 
     @property
     def plain(self) -> bool:
-        """Whether nothing but the name may differ."""
+        """Returns whether nothing but the name may differ."""
         return (
             self.A is not None and self.c is not None and not self.turned and not self.c.any() and is_identity(self.A)
         )
@@ -103,7 +103,7 @@ class Fit:
 
     @property
     def identical(self) -> bool:
-        """Whether theirs can be wired as it is."""
+        """Returns whether theirs can be wired as it is."""
         return not (self.ignored or self.start) and all(
             link.plain and link.ours == _twin(self.theirs.variables.get(name), link.ours)
             for name, link in self.links.items()

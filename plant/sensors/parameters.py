@@ -121,7 +121,7 @@ class Parameters:
 
     @cached_property
     def turns_attitude(self) -> bool:
-        """Whether the measured attitude differs from the true one."""
+        """Returns whether the measured attitude differs from the true one."""
         return bool(self.attitude_noise > 0.0 or self.attitude_noise_about > 0.0 or self.attitude_bias_B.any())
 
     @cached_property

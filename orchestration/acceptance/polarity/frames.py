@@ -73,7 +73,7 @@ class Reading:
 
     @property
     def small(self) -> bool:
-        """Whether it is looked for near none."""
+        """Returns whether it is looked for near none."""
         return self.unknown and not any(self.starts[0]) and len(self.starts) == 1
 
     def every(self, inputs: Inputs, time: Floats, unknowns: Floats) -> dict[str, Floats]:

@@ -56,7 +56,7 @@ class Mended:
 
     @property
     def named(self) -> bool:
-        """Whether anything explains the difference."""
+        """Returns whether anything explains the difference."""
         return bool(self.behaves or self.causes)
 
 

@@ -76,13 +76,13 @@ class Identified:
 
     @property
     def likely(self) -> bool:
-        """Whether a wiring takes most of a large difference away, so that a loop may confirm it."""
+        """Returns whether a wiring takes most of a large difference away, so that a loop may confirm it."""
         wired = bool(self.inputs or self.outputs) and not self.causes
         return wired and self.before > _LARGE and self.after <= min(_MOST_LEFT, 0.1 * self.before)
 
     @property
     def named(self) -> bool:
-        """Whether what is left is small enough for the causes to be stated."""
+        """Returns whether what is left is small enough for the causes to be stated."""
         part = PART * self.before * (min(self.before, 1.0) if self.inputs or self.outputs else 1.0)
         alone = self.said <= 1 and not any(cause.kind in _STRUCTURAL for cause in self.causes)
         little = self.after <= max(min(SMALL if alone else TOGETHER, part), SAME)

@@ -40,7 +40,7 @@ class Design:
 
     @property
     def early(self) -> bool:
-        """Whether points are made all together, before the first run."""
+        """Returns whether points are made all together, before the first run."""
         return self.sampling in ("latin hypercube", "sobol")
 
     def points(self, indices: Sequence[int] | NDArray[np.int64]) -> Floats:

@@ -55,7 +55,7 @@ class Draw:
 
     @property
     def helper(self) -> bool:
-        """Whether it sets nothing itself, and expressions take it."""
+        """Returns whether it sets nothing itself, and expressions take it."""
         return self.start is None
 
     @property

@@ -36,7 +36,7 @@ class Sampler:
 
     @property
     def bounded(self) -> tuple[bool, ...]:
-        """Whether the values have ends there, of each number that it takes."""
+        """Returns whether the values have ends there, of each number that it takes."""
         return (self.finite,) * self.count
 
     def value(self, u: Sequence[float]) -> Any:

@@ -82,7 +82,7 @@ class Batches:
 
     @property
     def over(self) -> bool:
-        """Whether no run is left to be flown or checked."""
+        """Returns whether no run is left to be flown or checked."""
         return self._next == len(self._indices) and not self._checks
 
     def took(self, count: int, seconds: float) -> None:

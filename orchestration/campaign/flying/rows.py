@@ -41,7 +41,7 @@ class Rows:
 
     @cached_property
     def failed(self) -> NDArray[np.bool_]:
-        """Whether each run failed."""
+        """Returns whether each run failed."""
         return pc.equal(self._column("status"), "failed").to_numpy(zero_copy_only=False)[self._order]
 
     def numbers(self, name: str) -> Floats:

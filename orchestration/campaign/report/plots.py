@@ -51,7 +51,7 @@ class Metric:
 
     @property
     def lower_is_worse(self) -> bool:
-        """Whether the requirement asks for large values only."""
+        """Returns whether the requirement asks for large values only."""
         return self.low is not None and self.high is None
 
     @property
