@@ -76,7 +76,7 @@ class Flights:
             "sampling": "random",
             "runs": min(runs, how.most),
             "seed": SEED,
-            "metrics": metrics(),
+            "metrics": metrics() if how.usual else [*metrics(), *metrics_of_failures()],
         }
         return crew.case(campaign, ROOT / "evidence" / "wheels")
 
@@ -92,6 +92,8 @@ class Condition:
     text: str
     errors: bool = False
     estimated: bool = False
+    usual: bool = False
+    """`controller_wheels` with its start values, in the places of controller and allocator."""
     vary: Data = field(default_factory=dict, hash=False)
     lost: int = 0
     """Wheels that fail: the drawn one, and those after it."""
@@ -118,6 +120,8 @@ CONDITIONS = {
     "nominal": Condition("perfect sensors and actuators"),
     "errors": Condition("all errors", errors=True),
     "estimated": Condition("all errors, attitude estimated with the star tracker", errors=True, estimated=True),
+    "usual law": Condition("perfect, quaternion feedback and cross product", usual=True),
+    "usual law, errors": Condition("all errors, quaternion feedback and cross product", errors=True, usual=True),
     "one dead": Condition("a wheel dead", vary={"plant.wheel_gain": _dead(0)}, lost=1, most=50),
     "one weak": Condition("a wheel that gives 0.3", vary={"plant.wheel_gain": _of_drawn(0.3, 1.0)}, lost=1, most=20),
     "one reversed": Condition("a wheel reversed", vary={"plant.wheel_gain": _of_drawn(-1.0, 1.0)}, lost=1, most=20),
@@ -173,6 +177,18 @@ def with_set(data: Data, satellite: str) -> Data:
     return change(data, {"plant.body_width": it.size[0], "plant.body_length": it.size[1], "plant.body_axis": it.axis})
 
 
+def by_usual_law(data: Data) -> Data:
+    """The same with `controller_wheels`, which commands rods and wheels itself; in place."""
+    del data["blocks"]["allocator"]
+    data["connections"] = [c for c in data["connections"] if "allocator." not in c and "controller." not in c]
+    data["connections"] += [
+        *(f"sensors.{name}_measured -> controller.{name}" for name in ("R_NB", "omega_B", "r_N", "v_N", "b_B")),
+        "plant.h_w -> controller.h_w",
+        *(f"controller.{name} -> plant.{name}" for name in ("dipole_cmd", "wheel_torque_cmd")),
+    ]
+    return fit(data, "controller", "controller_wheels")
+
+
 def scenario(flights: Flights, how: Condition) -> Data:
     """The scenario of the campaign: that of flight_tumble or flight_star_tracker with a set of wheels."""
     data = with_set(base("star_tracker" if how.estimated else "tumble"), flights.satellite)
@@ -184,7 +200,7 @@ def scenario(flights: Flights, how: Condition) -> Data:
         change(data, {"controller.dipole_max": mean, "allocator.dipole_max": mean})
     elif not how.errors:
         change(data, {k: v for k, v in NO_ERRORS.items() if not k.startswith("controller.")})
-    return data
+    return by_usual_law(data) if how.usual else data
 
 
 def vary(flights: Flights, how: Condition) -> Data:
@@ -227,9 +243,16 @@ def metrics() -> list[Data]:
         "initial_rate": {**rate, "statistic": "maximum", "before": 0.0},
         "wheel_max": {"signal": "plant.h_w", "statistic": "peak", **last},
         "dipole": {"signal": "plant.dipole", "measure": "norm", "statistic": "rms", **last},
-        **{f"found_{i}": {"signal": f"allocator.wheel_failed[{i + 1}]", "reaches": {"equals": True}} for i in range(4)},
     }
     return [{"name": name, **metric} for name, metric in found.items()]
+
+
+def metrics_of_failures() -> list[Data]:
+    """Returns when each wheel is reported."""
+    return [
+        {"name": f"found_{i}", "signal": f"allocator.wheel_failed[{i + 1}]", "reaches": {"equals": True}}
+        for i in range(4)
+    ]
 
 
 def all_flights() -> list[Flights]:

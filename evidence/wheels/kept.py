@@ -63,7 +63,7 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
     five, one = until("angle_5"), until("angle_1")
     drawn = flights.drawn(max(rows.index.tolist()) + 1)
     wheel, lost = rows.numbers("wheel"), CONDITIONS[flights.condition].lost
-    rods_alone = lost == flights.wheels
+    rods_alone, never = lost == flights.wheels, np.full(len(rows.index), math.nan)
     of_runs = plants(flights, len(drawn)) if rods_alone else []
     for i, run in enumerate(rows.index.tolist()):
         yield Flown(  # settled within the last HOLD counts as never
@@ -78,7 +78,7 @@ def flown_of(flights: Flights, rows: Rows, bounds: Sequence[float | None]) -> It
             math.degrees(value["hold_max"][i]),
             value["wheel_max"][i] / CLASSES[flights.satellite].wheel_momentum_max,
             math.nan if run >= len(bounds) or bounds[run] is None else float(bounds[run] or 0.0),
-            *found_in([value[f"found_{k}"][i] for k in range(4)], int(wheel[i]), lost, flights.wheels),
+            *found_in([value.get(f"found_{k}", never)[i] for k in range(4)], int(wheel[i]), lost, flights.wheels),
             _by_rods(of_runs[run]) if rods_alone else math.nan,
         )
 
