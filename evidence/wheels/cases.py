@@ -19,6 +19,7 @@ from ..flight.cases import DRAWN, drawn
 from ..flight.schemes import NO_ERRORS, Data, base, change, fit, without
 from ..paper import ROOT
 from ..satellites.classes import ACROSS, CLASSES, FIELD, SHARES, Satellite
+from .usual import by_usual_law
 
 ELEVATION = math.radians(35.0)
 """Of the pyramid's wheels above the body's x-y plane."""
@@ -33,9 +34,8 @@ WHEELS = {"3U": THREE, "12U": PYRAMID, "50 kg": PYRAMID}
 """The wheels' axes (n, 3) of each satellite, the rest of which is that of docs/evidence/satellites.md."""
 DURATION, ORBIT = 18000.0, 6000.0
 """s: three orbits or more, at 400 to 800 km; the hold is that of the last."""
-RATE = 1e-3
-"""rad/s, below which a settled satellite stays."""
-SEED = 49
+RATE, SEED = 1e-3, 49
+"""rad/s, below which a settled satellite stays; seed of the draws."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Flights:
             "sampling": "random",
             "runs": min(runs, how.most),
             "seed": SEED,
-            "metrics": metrics() if how.usual else [*metrics(), *metrics_of_failures()],
+            "metrics": metrics(0 if how.usual else 4),
         }
         return crew.case(campaign, ROOT / "evidence" / "wheels")
 
@@ -177,18 +177,6 @@ def with_set(data: Data, satellite: str) -> Data:
     return change(data, {"plant.body_width": it.size[0], "plant.body_length": it.size[1], "plant.body_axis": it.axis})
 
 
-def by_usual_law(data: Data) -> Data:
-    """The same with `controller_wheels`, which commands rods and wheels itself; in place."""
-    del data["blocks"]["allocator"]
-    data["connections"] = [c for c in data["connections"] if "allocator." not in c and "controller." not in c]
-    data["connections"] += [
-        *(f"sensors.{name}_measured -> controller.{name}" for name in ("R_NB", "omega_B", "r_N", "v_N", "b_B")),
-        "plant.h_w -> controller.h_w",
-        *(f"controller.{name} -> plant.{name}" for name in ("dipole_cmd", "wheel_torque_cmd")),
-    ]
-    return fit(data, "controller", "controller_wheels")
-
-
 def scenario(flights: Flights, how: Condition) -> Data:
     """The scenario of the campaign: that of flight_tumble or flight_star_tracker with a set of wheels."""
     data = with_set(base("star_tracker" if how.estimated else "tumble"), flights.satellite)
@@ -229,8 +217,8 @@ def vary(flights: Flights, how: Condition) -> Data:
     return found
 
 
-def metrics() -> list[Data]:
-    """Returns what each flight is measured by, of the plant's truth."""
+def metrics(watched: int) -> list[Data]:
+    """Returns what each flight is measured by, of the plant's truth, and when each of so many wheels is reported."""
     angle = {"signal": "judge.attitude_error"}
     rate = {"signal": "judge.rate_error_B", "measure": "norm"}
     last = {"after": DURATION - ORBIT}
@@ -243,16 +231,13 @@ def metrics() -> list[Data]:
         "initial_rate": {**rate, "statistic": "maximum", "before": 0.0},
         "wheel_max": {"signal": "plant.h_w", "statistic": "peak", **last},
         "dipole": {"signal": "plant.dipole", "measure": "norm", "statistic": "rms", **last},
+        **{f"found_{i}": _reported(i + 1) for i in range(watched)},
     }
     return [{"name": name, **metric} for name, metric in found.items()]
 
 
-def metrics_of_failures() -> list[Data]:
-    """Returns when each wheel is reported."""
-    return [
-        {"name": f"found_{i}", "signal": f"allocator.wheel_failed[{i + 1}]", "reaches": {"equals": True}}
-        for i in range(4)
-    ]
+def _reported(wheel: int) -> Data:
+    return {"signal": f"allocator.wheel_failed[{wheel}]", "reaches": {"equals": True}}
 
 
 def all_flights() -> list[Flights]:
