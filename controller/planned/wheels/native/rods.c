@@ -12,8 +12,8 @@ static const double PAUSE = 4.0;  /* T, in which the filter comes to know the no
 static const double DISTURBANCE = 0.1, RESIDUAL = 0.2, SOONER = 10.0;
 static const double NOISE = 0.005;                          /* 1/T, of the rate: errors of the model are no less */
 static const double LEAST_WHEEL = 1e-9;                     /* N m, where the wheels took nothing */
-static const double KNOWN = 0.15;                           /* deviation of a gain from which on it is known */
-static const double WEAK = 0.4, SOUND = 0.2, CERTAIN = 6.0; /* what is missing of a gain; deviations beyond SOUND */
+static const double KNOWN = 0.1;                            /* deviation of a gain from which on it is known */
+static const double WEAK = 0.4, SOUND = 0.2, CERTAIN = 8.0; /* what is missing of a gain; deviations beyond SOUND */
 static const double DEAD = 0.2;                             /* of a gain: commands are no larger for less */
 
 bool controller_planned_wheels_start_rods(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
