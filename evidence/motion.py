@@ -1,8 +1,8 @@
 """The satellite's motion relative to LVLH in CasADi, from the plant's parameters, for the studies that optimise it.
 
-x = (q, 50 s Omega, 50 s l / kg m2): attitude as a quaternion, scalar first, body rate and wheel momentum; u: the
-rods' dipoles and the wheel's torque as shares of their limits. Gravity gradient and the constant disturbance act,
-drag does not. Tests: tests/evidence/optimum/test_least_time.py.
+x (7 + n,) = (q, 50 s Omega, 50 s l / kg m2): attitude as a quaternion, scalar first, body rate and momenta of n wheels;
+u (3 + n,): the rods' dipoles and the wheels' torques as shares of their limits. Gravity gradient and the constant
+disturbance act, drag does not. Tests: tests/evidence/optimum/test_least_time.py.
 """
 
 from __future__ import annotations
@@ -42,15 +42,16 @@ def matrix(q: ca.SX) -> ca.SX:
 def rates(p: plant.Parameters, turn: Array, x: ca.SX, u: ca.SX, field: ca.SX) -> ca.SX:
     """dx/dt in SECONDS under a field (3,) in LVLH, T, with LVLH's rate (3,), rad/s."""
     J = ca.DM(p.body.J)
-    q, Omega, l_w = x[:4], x[4:7] / SECONDS, x[7] / SECONDS
+    q, Omega, l_w = x[:4], x[4:7] / SECONDS, x[7:] / SECONDS
     Q_T = matrix(q).T
     omega = Omega - Q_T @ turn
     dipole_B = ca.DM(p.rods_to_body * p.rod_gain * p.dipole_limit) @ u[:3] + p.residual_dipole_B
     down = -Q_T[:, 2]
     gravity = 3.0 * float(turn @ turn) * ca.cross(down, J @ down)
-    tau_w = p.wheel_torque_max * u[3]
+    tau_w = ca.DM(p.of_wheels(p.wheel_torque_max)) * u[3:]
+    axes = ca.DM(p.wheel_axes.T)
     tau = ca.cross(dipole_B, Q_T @ field) + gravity + p.disturbance_torque_B
-    tau -= tau_w * p.wheel_axes[0] + ca.cross(Omega, J @ Omega + l_w * p.wheel_axes[0])
+    tau -= axes @ tau_w + ca.cross(Omega, J @ Omega + axes @ l_w)
     dq = 0.5 * ca.vertcat(-ca.dot(q[1:], omega), q[0] * omega + ca.cross(q[1:], omega))
     return ca.vertcat(SECONDS * dq, SECONDS**2 * (ca.DM(p.body.J_inverse) @ tau), SECONDS**2 * tau_w)
 

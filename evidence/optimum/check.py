@@ -15,7 +15,7 @@ from controller.errors import errors as errors_of
 from controller.reference import lvlh
 from orchestration import run
 
-from ..flight.cases import RATE, Group
+from ..flight.cases import RATE
 from ..flight.figures import errors
 from ..flight.schemes import Data, change
 from ..paper import ORBIT
@@ -38,14 +38,14 @@ class Check:
     orbit."""
 
 
-def check(p: plant.Parameters, course: Course, group: Group) -> Check:
-    """Flies a course of a run of `group` whose plant is p: with drag, the whole field model and the wheel's limit."""
-    x = plant.start(p, plant.Inputs(np.zeros(3), 0.0))
+def check(p: plant.Parameters, course: Course, scenario: Data) -> Check:
+    """Flies a course of a scenario's run whose plant is p: with drag, the whole field model and the wheels' limits."""
+    x, torques = plant.start(p, plant.Inputs(np.zeros(3), np.zeros(p.wheels))), p.of_wheels(p.wheel_torque_max)
     angle = rate = gap = 0.0
     T = int(np.argmin(np.abs(course.times - course.end)))
     for i, h in enumerate(np.diff(course.times).tolist(), 1):
         u = course.u[i - 1]
-        x, _ = plant.step(x, plant.Inputs(p.dipole_max * u[:3], p.wheel_torque_max * float(u[3])), p, h)
+        x, _ = plant.step(x, plant.Inputs(p.dipole_max * u[:3], torques * u[3:]), p, h)
         reference = lvlh(*p.orbit.position_velocity(x.t))
         if i == T:
             gap = float((course.attitudes[i].inv() * Rotation.from_matrix(reference.R_d.T @ x.R)).magnitude())
@@ -53,15 +53,15 @@ def check(p: plant.Parameters, course: Course, group: Group) -> Check:
             e = errors_of(x.R, x.Omega(p), reference)
             angle, rate = max(angle, e.angle), max(rate, float(np.linalg.norm(e.omega)))
     inside = angle < ANGLE and rate < RATE
-    return Check(angle, rate, gap, inside and _holds_on(p, x, group))
+    return Check(angle, rate, gap, inside and _holds_on(p, x, scenario))
 
 
-def _holds_on(p: plant.Parameters, x: plant.State, group: Group) -> bool:
+def _holds_on(p: plant.Parameters, x: plant.State, scenario: Data) -> bool:
     """Returns whether the planned controller, started here, keeps the angle for an orbit, and ends it with a rate error
     below RATE.
     """
     r, v = p.orbit.position_velocity(x.t)
-    data = copy.deepcopy(group.scenario)
+    data = copy.deepcopy(scenario)
     later = datetime.fromisoformat(p.epoch).astimezone(UTC) + timedelta(seconds=x.t)
     data["shared"]["epoch"] = later.isoformat().replace("+00:00", "Z")
     starts: Data = {
@@ -70,7 +70,7 @@ def _holds_on(p: plant.Parameters, x: plant.State, group: Group) -> bool:
         "v_N0": v,
         "Q0": lvlh(r, v).R_d.T @ x.R,
         "omega_B0": x.Omega(p),
-        "h_w0": float(x.l_w[0]),
+        "h_w0": np.pad(x.l_w, (0, len(p.wheel_axis) - p.wheels)) if p.is_set else float(x.l_w[0]),
         "disturbance_torque_B": p.disturbance_torque_B,
     }
     change(data, {f"plant.{name}": value for name, value in starts.items()})

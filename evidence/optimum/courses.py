@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from ..motion import SECONDS
 from ..paper import Array
-from .problem import FEWEST, HELD, HOLD, INTERVAL
+from .problem import HELD, HOLD, ONE_WHEEL, Grid
 from .transcription import Guess, Solution
 
 
@@ -25,25 +25,25 @@ class Course:
     Omega: Array
     """(k, 3), rad/s."""
     l_w: Array
-    """(k,), N m s."""
+    """(k, n), N m s, of n wheels."""
     u: Array
-    """(k, 4): from each time on, as shares of the limits."""
+    """(k, 3 + n): from each time on, as shares of the limits."""
 
     @property
     def end(self) -> float:
         """T, s."""
         return float(self.times[-1]) - HOLD
 
-    def guess(self, interval: float = INTERVAL) -> Guess:
-        """At the optimiser's nodes, with intervals of at most so many seconds."""
-        N = max(FEWEST, math.ceil(self.end / interval))
+    def guess(self, grid: Grid = ONE_WHEEL) -> Guess:
+        """At the optimiser's nodes."""
+        N = max(grid.fewest, math.ceil(self.end / grid.longest))
         t = np.concatenate((self.end / N * np.arange(N), self.end + HOLD / HELD * np.arange(HELD + 1)))
         t[-1] = self.times[-1]
         q = Slerp(self.times, self.attitudes)(t).as_quat()[:, [3, 0, 1, 2]]
         signs = np.where((q[1:] * q[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
         q[1:] *= np.cumprod(signs)[:, None]
-        Omega = np.column_stack([np.interp(t, self.times, column) for column in self.Omega.T])
-        x = np.column_stack((q, SECONDS * Omega, SECONDS * np.interp(t, self.times, self.l_w)))
+        rates = [np.interp(t, self.times, column) for column in (*self.Omega.T, *self.l_w.T)]
+        x = np.column_stack((q, SECONDS * np.transpose(rates)))
         at = np.searchsorted(self.times, t[:-1] + 1e-6, side="right") - 1
         return Guess(self.end / SECONDS, x.T, np.clip(self.u[at], -0.98, 0.98).T, HELD)
 
@@ -67,6 +67,16 @@ class Course:
         between = (attitudes[:-1].inv() * attitudes[1:]).as_rotvec() / steps + attitudes[:-1].inv().apply(turn)
         Omega = np.concatenate((self.Omega[:1], 0.5 * (between[1:] + between[:-1]), between[-1:]))
         return Course(self.times, attitudes, Omega, self.l_w, 0.5 * self.u)
+
+    def within(self, longest: float) -> Course:
+        """The same motion in less time, where T is longer than so many s; the first rate stays."""
+        faster = self.end / longest
+        if faster <= 1.0:
+            return self
+        times = np.where(self.times < self.end, self.times / faster, self.times - self.end + longest)
+        share = np.where(self.times < self.end, faster, 1.0)[:, None]
+        Omega = np.concatenate((self.Omega[:1], (share * self.Omega)[1:]))
+        return Course(times, self.attitudes, Omega, self.l_w, self.u)
 
     def then(self, begin: float, rest: Course) -> Course:
         """The same until one of its times, s, and then another course."""
@@ -96,7 +106,7 @@ def of(solution: Solution) -> Course:
         times,
         Rotation.from_quat(q[:, [1, 2, 3, 0]]),
         solution.x[4:7].T / SECONDS,
-        solution.x[7] / SECONDS,
+        solution.x[7:].T / SECONDS,
         np.concatenate((u, u[-1:])),
     )
 

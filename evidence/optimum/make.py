@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from ..flight.bound import bound, starts
 from ..flight.cases import SEEDS, Group, tumbles
 from ..paper import Array
 from .check import Check, check
@@ -19,7 +18,8 @@ from .courses import Course
 from .flown import Flight, fly
 from .kept import Line, load, save
 from .problem import WIDE
-from .search import Found, refined, search, search_after
+from .search import Found, Optimum, refined, search, search_after
+from .tumbles import Tumbles, of_group
 
 OF_BEST = (
     "best_s",
@@ -47,12 +47,13 @@ def make(runs: Iterable[int], file: Path) -> Iterator[str]:
     """
     lines = {line.run: line for line in load(file)} if file.is_file() else {}
     runs = list(runs)
-    wanted = group(max(runs) + 1)
+    wanted = of_group(group(max(runs) + 1))
     for run in runs:
         old = lines.get(run)
         if old is not None and old.tried >= WIDE:
             continue
-        line = _line(run, wanted, old)
+        flight = fly(wanted, run)
+        line = line_of(run, wanted, flight, search(flight, wanted.grid), old)
         if line is None:
             yield f"{run}: no motion that the plant confirms"
             continue
@@ -66,18 +67,16 @@ def fly_again(file: Path) -> Iterator[str]:
     """Flies the tumbles of `file` anew, as the controller is now, and searches from each hand-over; the best times
     stay."""
     lines = load(file)
-    wanted = group(max(line.run for line in lines) + 1)
+    wanted = of_group(group(max(line.run for line in lines) + 1))
     for i, line in enumerate(lines):
         flight = fly(wanted, line.run)
-        lines[i] = replace(line, **_of_flight(flight, search_after(flight)))
+        lines[i] = replace(line, **_of_flight(flight, search_after(flight, wanted.grid)))
         save(file, lines)
         yield f"{line.run}: best found {line.best_s:.0f} s, flown {flight.settled:.0f} s, before {line.flown_s:.0f} s"
 
 
-def _line(run: int, wanted: Group, old: Line | None) -> Line | None:
+def line_of(run: int, wanted: Tumbles, flight: Flight, found: Optimum, old: Line | None = None) -> Line | None:
     """The line of a tumble with the shortest motion that the plant confirms, or the old line's; None without one."""
-    flight = fly(wanted, run)
-    found = search(flight)
     best = None if old is None else {name: getattr(old, name) for name in OF_BEST}
     for whole in found.wholes:
         if old is not None and whole.course.end >= old.best_s:
@@ -88,7 +87,7 @@ def _line(run: int, wanted: Group, old: Line | None) -> Line | None:
             break
     if best is None:
         return None
-    least = bound(starts(wanted)[run])
+    least = wanted.bound_of(run)
     return Line(
         run=run,
         initial_rate_deg_s=float(np.degrees(np.linalg.norm(flight.plant.omega_B0))),
@@ -109,7 +108,7 @@ def _of(whole: Found, seen: Check) -> dict[str, Any]:
         "best_s": best.end,
         "start": whole.start,
         "rods_best": float(use[:3].mean()),
-        "wheel_best": float(use[3]),
+        "wheel_best": float(use[3:].mean()),
         "check_angle_deg": float(np.degrees(seen.angle)),
         "check_rate_rad_s": seen.rate,
         "check_gap_deg": float(np.degrees(seen.gap)),
@@ -117,17 +116,17 @@ def _of(whole: Found, seen: Check) -> dict[str, Any]:
     }
 
 
-def _checked(flight: Flight, found: Found, wanted: Group) -> tuple[Found, Check]:
+def _checked(flight: Flight, found: Found, wanted: Tumbles) -> tuple[Found, Check]:
     """Returns what the plant confirms: the motion found, or the same with finer intervals."""
-    seen = check(flight.plant, found.course, wanted)
+    seen = check(flight.plant, found.course, wanted.scenario)
     if seen.held_on:
         return found, seen
-    finer = refined(flight, found)
-    return (found, seen) if finer is None else (finer, check(flight.plant, finer.course, wanted))
+    finer = refined(flight, found, wanted.grid.finer)
+    return (found, seen) if finer is None else (finer, check(flight.plant, finer.course, wanted.scenario))
 
 
 def _use(course: Course) -> Array:
-    """Mean shares (4,) of the actuators' limits until T."""
+    """Mean shares (3 + n,) of the actuators' limits until T."""
     times = np.clip(course.times, 0.0, course.end)
     return np.asarray(np.diff(times) @ np.abs(course.u[:-1]) / course.end)
 
@@ -140,5 +139,5 @@ def _of_flight(flight: Flight, after: Found | None) -> dict[str, Any]:
         "handed_over_s": flight.handed_over,
         "best_after_s": math.nan if after is None else after.course.end,
         "rods_flown": float(use[:3].mean()),
-        "wheel_flown": float(use[3]),
+        "wheel_flown": float(use[3:].mean()),
     }

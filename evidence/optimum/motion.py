@@ -54,22 +54,23 @@ class Motion:
 
     def step(self) -> ca.Function:
         """x, u, t and h to the x at t + h, both in SECONDS, by the classical Runge-Kutta method."""
-        x, u, t, h = ca.SX.sym("x", 8), ca.SX.sym("u", 4), ca.SX.sym("t"), ca.SX.sym("h")
+        n = self.plant.wheels
+        x, u, t, h = ca.SX.sym("x", 7 + n), ca.SX.sym("u", 3 + n), ca.SX.sym("t"), ca.SX.sym("h")
         fields = [self._field(SECONDS * (t + share * h)) for share in (0.0, 0.5, 1.0)]
         return ca.Function("step", [x, u, t, h], [advanced(self.plant, self.turn, x, u, h, fields)])
 
     def task(self, angle: float, rate: float) -> Task:
         """To be within these tolerances, rad and rad/s, in the least time, and to stay there for HOLD."""
-        x = ca.SX.sym("x", 8)
+        x = ca.SX.sym("x", 7 + self.plant.wheels)
         q, omega = x[:4], x[4:7] / SECONDS - matrix(x[:4]).T @ self.turn
         slow = ca.sumsqr(omega) / (MARGIN * rate) ** 2
         near = ca.sumsqr(q[1:]) / math.sin(0.5 * MARGIN * angle) ** 2
-        l_max = SECONDS * self.plant.wheel_momentum_max
+        l_max = SECONDS * np.array(self.plant.of_wheels(self.plant.wheel_momentum_max))
         return Task(
             self.step(),
             ca.Function("within", [x], [ca.vertcat(near, slow)]),
-            ca.Function("rest", [x], [ca.vertcat(slow / REST**2, (x[7] / (UNLOADED * l_max)) ** 2)]),
-            np.array([np.inf] * 7 + [l_max]),
+            ca.Function("rest", [x], [ca.vertcat(slow / REST**2, (x[7:] / (UNLOADED * l_max)) ** 2)]),
+            np.concatenate(([np.inf] * 7, l_max)),
             HOLD / SECONDS,
             self.longest / SECONDS,
         )

@@ -14,7 +14,7 @@ from .. import markdown
 from ..paper import ROOT, Array
 from ..plots import BLUE, GREEN, RED, limit, name_axes, panels, save
 from .kept import FILE, Line, load, others
-from .problem import DEGREE, HOLD, INTERVAL, MARGIN, UNLOADED, WIDE
+from .problem import DEGREE, HOLD, MARGIN, ONE_WHEEL, UNLOADED, WIDE
 
 
 def publish(folder: Path = ROOT / "docs" / "evidence") -> Path:
@@ -77,7 +77,7 @@ def text(lines: Sequence[Line], other: int) -> str:
         unloaded=UNLOADED,
         margin=MARGIN,
         degree=DEGREE,
-        interval=f"{INTERVAL:.0f}",
+        interval=f"{ONE_WHEEL.longest:.0f}",
         runs=_runs([line.run for line in lines]),
         best_over_bound=f"{np.median(best[bounded] / bound[bounded]):.2f}",
         ratio=f"{np.median(ratio):.2f}",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 
 ANGLE = math.radians(5.0)
 """Tolerance, rad; that of the rate is evidence/flight's."""
@@ -15,9 +16,26 @@ REST, UNLOADED = 0.2, 0.87
 limit."""
 DEGREE = 14
 """Of the Chebyshev series of the field."""
-INTERVAL, FINE = 5.0, 2.5
-"""Longest interval of constant commands, s; where the check fails, the finer one."""
-HELD, FEWEST = 12, 16
-"""Intervals of HOLD, and least number of them before it."""
+HELD = 12
+"""Intervals of HOLD."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Intervals of constant commands before T: at most so long, s, and at least so many."""
+
+    longest: float
+    fewest: int
+    guess: float = math.inf
+    """T at which a search begins at most, s."""
+
+    @property
+    def finer(self) -> Grid:
+        """Where the check fails."""
+        return replace(self, longest=0.5 * self.longest, fewest=2 * self.fewest)
+
+
+ONE_WHEEL, WHEELS = Grid(5.0, 16), Grid(10.0, 40, 150.0)
+"""For satellites with one wheel, and with a set of them, whose turns take a minute."""
 WIDE = 15
 """Least number of starts of a search."""

@@ -12,14 +12,17 @@ import numpy as np
 import plant
 from orchestration.campaign.flying.rows import Rows
 
+from .. import files
 from ..flight.cases import HOLD
 from ..health.stuck_on import INTERVAL, held, least_angle
-from ..paper import Array
+from ..optimum.kept import Line
+from ..paper import ROOT, Array
 from ..satellites.classes import CLASSES
 from .bound import plants
 from .cases import CONDITIONS, DURATION, ORBIT, Flights
 
 FILE = "wheels.csv"
+LEAST = ROOT / "docs" / "evidence" / "wheels_optimum.csv"
 REMEDY = "python -m evidence wheels"
 
 
@@ -93,3 +96,19 @@ def found_in(times: Sequence[float], wheel: int, lost: int, wheels: int) -> tupl
     fail = {(wheel + k) % wheels for k in range(lost)}
     late = [math.inf if math.isnan(times[k]) else times[k] for k in fail]
     return max(late, default=math.nan), sum(math.isfinite(times[k]) for k in range(wheels) if k not in fail)
+
+
+@dataclass(frozen=True)
+class Least(Line):
+    """The least time of a nominal tumble, by numerical optimal control."""
+
+    satellite: str
+
+
+def load_least() -> list[Least]:
+    return files.load_if_any(Least, LEAST, f"{REMEDY} --part optimum")
+
+
+def save_least(found: Iterable[Least]) -> None:
+    order = list(CLASSES)
+    files.save(Least, LEAST, sorted(found, key=lambda line: (order.index(line.satellite), line.run)))

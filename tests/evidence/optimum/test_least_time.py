@@ -83,7 +83,7 @@ def course():
     axis = np.array([2.0, -1.0, 2.0]) / 3.0
     rates = np.where(times < 100.0, -0.02, 0.0)[:, None] * axis
     return Course(
-        times, Rotation.from_rotvec(angle[:, None] * axis), rates, np.zeros(len(times)), np.zeros((len(times), 4))
+        times, Rotation.from_rotvec(angle[:, None] * axis), rates, np.zeros((len(times), 1)), np.zeros((len(times), 4))
     )
 
 
@@ -119,6 +119,6 @@ def test_a_course_is_its_beginning_and_then_what_is_left_of_it():
 
 def test_commands_that_do_not_end_in_the_tolerance_do_not_pass(tumble):
     _, p = tumble
-    seen = check(p, course(), group(4))
+    seen = check(p, course(), group(4).scenario)
     assert seen.rate > 0.05, "the tumble goes on"
     assert not seen.held_on

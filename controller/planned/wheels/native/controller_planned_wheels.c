@@ -6,16 +6,16 @@
 #include "controller_planned_wheels_guard.h"
 #include "sample.h"
 
-static const double SOONER = 0.2;       /* of unloading_time, before the hold */
 static const double ACROSS = 2.0 / 3.0; /* of 1 - b b', the mean over all directions of the field */
 static const double ACROSS_LEAST = 0.03;
 static const double ACROSS_TIME = 6000.0, ACROSS_FIRST = 600.0; /* s, of its mean along the orbit */
 
 /* (3), in phase 4: the torque that brings the rate error to rest soonest, beside the gyroscopic one where the wheels
  * can bear that, too. */
-static Vector stopping(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector gyroscopic, Vector by_wheels)
+static Vector stopping(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsState *x, const Sample *s,
+                       Vector gyroscopic, Vector by_wheels)
 {
-    const Vector excess = apply(law->J, s->rate);
+    const Vector excess = apply(law->J, subtract(s->rate, controller_planned_wheels_approach(law, s, x)));
     const double size = norm(excess), L = 2.0 * law->p.command_period;
     const bool bears = norm(add(gyroscopic, by_wheels)) < 0.5 * s->most;
     double most = s->most;
@@ -64,7 +64,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     const Vector Omega = vector(u->omega_B), b = vector(u->b_B), by_wheels = cross(Omega, s->h);
     const Vector by_body = cross(Omega, apply(law->J, Omega));
     const bool sheds = x->phase == WHEELS_SHEDDING;
-    const double time = x->phase == WHEELS_HOLD ? p->unloading_time : SOONER * p->unloading_time;
+    const double time = x->phase == WHEELS_HOLD ? p->unloading_time : UNLOADING_SOONER * p->unloading_time;
     const Matrix R = matrix(u->R_NB);
     const Vector H = is_zero_matrix(R) ? s->H : weighted(x, R, s->H);
     Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, H, b);
@@ -80,7 +80,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     if (sheds) {
         tau = subtract(by_rods, by_wheels);
     } else if (x->phase == WHEELS_DAMPING || !s->target.attitude) {
-        tau = stopping(law, s, by_body, by_wheels);
+        tau = stopping(law, x, s, by_body, by_wheels);
     } else { /* (9) */
         const Errors e = controller_planned_wheels_errors_of(&plan, matrix(u->R_NB), Omega);
         tau = add(apply(law->J, e.dOmega_d_B), by_body);

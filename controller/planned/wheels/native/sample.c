@@ -72,6 +72,7 @@ bool controller_planned_wheels_take_sample(const ControllerPlannedWheelsLaw *law
     if (!is_finite_input(u, f) || (!is_zero_matrix(R) && !is_attitude(R, f)) || !target_of(law, u, &s->target, f)) {
         return false;
     }
+    s->b = vector(u->b_B);
     for (int i = 0; i < law->p.wheels; ++i) {
         s->h = add(s->h, scale(u->h_w[i], law->axes[i]));
     }

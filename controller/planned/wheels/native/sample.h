@@ -4,6 +4,10 @@
 
 #include "controller_planned_wheels.h"
 
+static const double SHED_ABOVE = 0.9;       /* of the momentum that the wheels hold in any direction */
+static const double SHEDDING_RODS = 1.5;    /* of the mean rod's dipole: the most of three, the mean over attitudes */
+static const double UNLOADING_SOONER = 0.2; /* of unloading_time, before the hold */
+
 /* What is wanted at a sample. */
 typedef struct {
     bool attitude; /* else only the rate counts */
@@ -17,12 +21,28 @@ typedef struct {
     Matrix Q;          /* body to desired body; one without an attitude */
     Vector zeta, rate; /* errors from the target, in its axes and in body axes: (5) */
     double angle;      /* pi without an attitude */
+    Vector b;          /* T, the field */
     Vector h, H;       /* of the wheels, and of all beyond the target: (6) */
     bool works[WHEELS_MAX];
     Zonotope torque, momentum; /* of the wheels that work */
     bool reduced;              /* they leave a direction out */
     double most;               /* N m, in any direction */
 } Sample;
+
+typedef struct {
+    SlewTurn turn;
+    bool fits;    /* the wheels bear the momentum all the way */
+    double coast; /* s, with the rate of all limits from there on */
+} TurnLimits;
+
+/* A turn from the rate that there is. */
+typedef struct {
+    Vector axis;
+    SlewTurn turn;       /* as one from rest that began earlier */
+    double rate, wanted; /* rad/s, of it now, and the one from which on it is braked */
+    Vector across;       /* what the rate is beside that, in body axes */
+    double time;         /* s, until it is over */
+} TurnWay;
 
 /* The errors from the plan, in body axes: (5). */
 typedef struct {
@@ -43,6 +63,18 @@ Errors controller_planned_wheels_errors_of(const Wanted *plan, Matrix R, Vector 
 void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, const Sample *s,
                                       const ControllerPlannedWheelsInputs *u, bool first,
                                       ControllerPlannedWheelsState *x);
+
+/* (4) with the limits of (3) about the axis, a unit vector, over an angle to the target. */
+TurnLimits controller_planned_wheels_turn_about(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector axis,
+                                                double angle);
+
+/* The way that is sooner over, the short one or the other way round; `on`: rather the one of before, about `before`. */
+TurnWay controller_planned_wheels_best_way(const ControllerPlannedWheelsLaw *law, const Sample *s, bool on,
+                                           Vector before);
+
+/* The rate error that is wanted in phase 4, in body axes: that of the way about x->axis. */
+Vector controller_planned_wheels_approach(const ControllerPlannedWheelsLaw *law, const Sample *s,
+                                          const ControllerPlannedWheelsState *x);
 
 /* (10): each wheel's part of their torque `wanted` on the body, and what evens out their momenta. */
 void controller_planned_wheels_share(const ControllerPlannedWheelsLaw *law, const Sample *s,

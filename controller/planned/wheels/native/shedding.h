@@ -19,6 +19,7 @@ typedef struct {
 typedef struct {
     Vector lambda; /* unit, in N: along it all that the rods can give */
     double time;   /* s, for which it pays to go on */
+    double whole;  /* s, of that and of the turn that follows */
 } Shedding;
 
 /* By iterations from `before`, which is one as well, of unit length; b_N is the field here. All in N. The field to come
@@ -29,13 +30,13 @@ static inline Shedding shedding_of(const SheddingData *data, Vector H_N, Vector 
     const Vector across = cross(r_N, v_N);
     const double r = norm(r_N), size = norm(across), H = norm(H_N);
     if (!(r > 1.0 && size > 0.0 && H > 0.0 && norm(b_N) > WHEELS_FIELD_MIN)) {
-        return (Shedding){before, 0.0};
+        return (Shedding){before, 0.0, INFINITY};
     }
     const double node = SHEDDING_TURN * r * r / size; /* s, on a circle through r */
     const Vector radial = scale(1.0 / r, r_N), ahead = cross(scale(1.0 / size, across), radial);
     const Vector earth = subtract(scale(1.5 * dot(b_N, radial), radial), b_N); /* T, of the dipole over r^3 */
     const double least = SHEDDING_LEAST * data->held;
-    Shedding found = {before, 0.0};
+    Shedding found = {before, 0.0, INFINITY};
     for (int k = 0; k < SHEDDING_ITERATIONS; ++k) {
         const Vector lambda = found.lambda;
         const Matrix none = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
@@ -64,6 +65,7 @@ static inline Shedding shedding_of(const SheddingData *data, Vector H_N, Vector 
             left -= share * most * sine2;
             time += share * node;
         }
+        found.whole = whole;
         const Vector next = solve(add_scaled(M_best, left_best, identity), H_N);
         found.lambda = direction(norm(next), next);
     }

@@ -44,15 +44,14 @@ static inline Zonotope zonotope_of(int n, const Vector axes[], const double limi
     return z;
 }
 
-/* The largest factor with which `along` beside the vector `base` and any vector of length `ball` lies in the `share` of the
- * zonotope. */
-static inline double zonotope_beside(const Zonotope *z, double share, Vector base, double ball, Vector along)
+/* The largest factor with which `along` beside the vector `base` lies in the `share` of the zonotope. */
+static inline double zonotope_beside(const Zonotope *z, double share, Vector base, Vector along)
 {
     double reach = INFINITY;
     for (int k = 0; k < z->facets; ++k) {
         const double part = dot(z->normal[k], along), there = dot(z->normal[k], base);
         if (fabs(part) > 0.0) {
-            reach = smaller(reach, (share * z->distance[k] - ball - (part > 0.0 ? there : -there)) / fabs(part));
+            reach = smaller(reach, (share * z->distance[k] - (part > 0.0 ? there : -there)) / fabs(part));
         }
     }
     return reach;

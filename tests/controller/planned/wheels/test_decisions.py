@@ -13,7 +13,7 @@ from evidence.wheels.bound import least_time, of_plant
 from tests.native.driver import Instance, running
 from tests.plant.motion import FULL_INERTIA
 
-from .loop import FOUR, MOMENTUM, SETS, STILL, H, fly
+from .loop import FOUR, MOMENTUM, SETS, STILL, TORQUE, H, fly, reach
 
 TUMBLE = np.array([0.4, -0.5, 0.6]) / np.linalg.norm([0.4, -0.5, 0.6])
 SHED, TURN, HOLD, DAMP = 1, 2, 3, 4
@@ -59,9 +59,28 @@ def test_a_tumble_that_the_wheels_hold_is_stopped_by_them_at_once_and_one_that_t
     assert small.phase.index(TURN) * H < 0.8 * MOMENTUM / 1.5e-3  # the torque of the wheels
     assert large.phases == [SHED, DAMP, TURN, HOLD]
     shed = large.phase.index(DAMP)
-    assert large.momentum[shed] < 0.6 * MOMENTUM
+    assert large.momentum[shed] < np.sqrt(3.0) * MOMENTUM  # the most that three wheels at right angles bear
     assert shed * H < 4.0 * (4.0 - 0.5) * MOMENTUM / (25.0 * 3e-5)  # rods across a usual field
     assert max(small.error[-20:] + large.error[-20:]) < 0.01
+
+
+def test_a_tumble_goes_on_the_way_that_it_turns_where_that_is_sooner_over() -> None:
+    """About a principal axis the peak p of the rate v over the angle is p^2 = a angle + v^2/2, the time (2 p - v)/a."""
+    axes, wheels = np.linalg.eigh(FULL_INERTIA)[1].T, SETS[3]["wheel_axis"][:3]
+    axis = axes[0]
+    along = FULL_INERTIA @ axis
+    a, most = (reach(wheels, np.full(3, limit), along) for limit in (0.9 * TORQUE, 0.95 * MOMENTUM))
+    rate, angle = 0.5 * most, np.radians(205.0)
+    peak = np.sqrt(a * angle + 0.5 * rate**2)
+    peak = min(peak, most + rate)  # what the body has needs no momentum of the wheels
+    least = (2.0 * peak - rate) / a + (angle - (peak**2 - 0.5 * rate**2) / a) / peak
+    seen = Seen()
+    q = np.roll(Rotation.from_rotvec(-angle * axis).as_quat(), 1)
+    body = {**SETS[3], "dipole_max": 1e-2}  # rods that shed next to nothing
+    fly(2.0 * least, seen, body, {**STILL, "q_NB0": q, "omega_B0": rate * axis}, {"reference": "inertial"})
+    assert max(seen.error) > 179.0
+    settled = H * (np.flatnonzero(np.array(seen.error) > 0.5)[-1] + 1)
+    assert 0.9 * least < settled < 1.1 * least + 2.0 * H
 
 
 def test_each_target_that_jumps_is_turned_to_and_held_as_the_first() -> None:
@@ -121,7 +140,7 @@ def test_momentum_along_the_field_is_shed_in_less_than_five_times_the_proven_lea
     least = least_time(of_plant(FOUR, start))
     assert least is not None
     assert 50.0 < least < seen.phase.index(DAMP) * H < 5.0 * least
-    assert seen.phases == [SHED, DAMP, TURN, HOLD]
+    assert (seen.phases[0], seen.phases[-3:]) == (SHED, [DAMP, TURN, HOLD])
 
 
 def test_a_turn_with_one_of_three_wheels_stuck_at_two_thirds_of_its_momentum_ends_within_ten_minutes() -> None:

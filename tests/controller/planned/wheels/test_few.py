@@ -68,7 +68,7 @@ def test_with_one_wheel_or_none_it_is_controller_planned_bit_by_bit(left: int | 
 def test_a_plan_begins_at_each_failure_that_leaves_one_wheel_and_the_set_goes_on_where_it_works_again() -> None:
     """Wheels 1 and 2 fail from 40 s to 80 s, and again from 120 s on."""
     body: dict[str, Any] = {**FOUR, **SETS[3]}
-    fails = [(40.0 <= i * H < 80.0 or i * H >= 120.0) for i in range(1000)]
+    fails = [(40.0 <= i * H < 80.0 or i * H >= 120.0) for i in range(4000)]
     reduced, error = [], []
 
     def each(i: int, seen: Any, y: Any, _: Instance) -> None:
@@ -77,7 +77,7 @@ def test_a_plan_begins_at_each_failure_that_leaves_one_wheel_and_the_set_goes_on
         if reduced[-1]:
             assert not y["wheel_torque_ff"][:2].any()
 
-    fly(500.0, each, body, STILL, {}, failed=lambda i: [fails[i], fails[i], False, False])
+    fly(2000.0, each, body, STILL, {}, failed=lambda i: [fails[i], fails[i], False, False])
     assert reduced == fails
     assert max(error[-100:]) < np.radians(3.0)
 
