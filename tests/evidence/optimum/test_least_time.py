@@ -14,7 +14,7 @@ from evidence.optimum.check import check
 from evidence.optimum.courses import Course
 from evidence.optimum.make import group
 from evidence.optimum.motion import Motion
-from evidence.optimum.problem import HOLD
+from evidence.optimum.problem import HOLD, Grid
 from evidence.optimum.transcription import Guess, Task, solve
 from orchestration import run
 
@@ -109,7 +109,7 @@ def test_a_course_is_its_beginning_and_then_what_is_left_of_it():
     again = whole.then(40.0, whole.late(40.0))
     np.testing.assert_allclose(again.times, whole.times)
     assert (again.attitudes.inv() * whole.attitudes).magnitude().max() < 1e-9
-    guess = again.guess(10.0)
+    guess = again.guess(Grid(10.0, 16))
     assert guess.u.shape == (4, 16 + 12)
     assert (guess.x[:4, 1:] * guess.x[:4, :-1]).sum(axis=0).min() > 0.9, "no jump of the quaternion's sign"
 

@@ -52,7 +52,7 @@ def test_the_momentum_of_the_wheels_bounds_the_rate_of_a_turn():
     """About one axis over L/tau and then at the rate L/J; about changing axes it is some percent sooner over."""
     found, momentum = turn(cube(0.02), 0.5), 0.02
     assert 2.0 * math.sqrt(0.5 * J / TORQUE) < found.end < 0.5 * J / momentum + momentum / TORQUE
-    assert np.abs(found.l_w).max() == pytest.approx(momentum, rel=1e-6)
+    assert np.abs(found.l_w).max() == pytest.approx(momentum, rel=1e-4)
 
 
 def test_half_a_turn_is_sooner_over_about_changing_axes_as_bilimoria_and_wie_found():
