@@ -1,4 +1,6 @@
 /* Turns from here, and the one that is soonest over: docs/how/planned-wheels.md, Turn. */
+#include <string.h>
+
 #include "reference.h"
 #include "sample.h"
 
@@ -24,6 +26,7 @@ static Path path_about(const ControllerPlannedWheelsLaw *law, const Sample *s, V
     const Vector stays = scale(dot(b, H) / (B * B), b), across = subtract(H, stays);
     const double slowly = larger(UNLOADING_SOONER * law->p.unloading_time, norm(across) / shed);
     Path path;
+    (void)memset(&path, 0, sizeof path);
     for (int i = 0; i <= PARTS; ++i) {
         const double part = (double)i / (double)PARTS, since = time * (1.0 - part);
         const Matrix left = rotation_exp(scale(angle * part, axis)), moved = rotation_exp(scale(since, still));
