@@ -239,9 +239,10 @@ def satellites(jobs: int, cases: int, page: bool, bounds: bool) -> None:
     "--part",
     default="tumbles",
     show_default=True,
-    type=click.Choice(["tumbles", "slews", "long", "telemetry"]),
+    type=click.Choice(["tumbles", "slews", "long", "telemetry", "optimum"]),
     help="Slews: --cases of each angle. Long: a day at a ground station, 100 orbits of hold. Telemetry: --cases with "
-    "three and with four wheels, and as many of wheels that fail.",
+    "three and with four wheels, and as many of wheels that fail. Optimum: the least time of --cases nominal tumbles "
+    "of each, some minutes each (pip install casadi).",
 )
 @_page
 def wheels(jobs: int, cases: int, rows: tuple[str, ...], part: str, page: bool) -> None:

@@ -33,8 +33,10 @@ class Check:
     """Largest rate error, rad/s."""
     gap: float
     """Between plant and course at T, rad."""
+    inside: bool
+    """Whether both are within the tolerance."""
     held_on: bool
-    """Whether both are within the tolerance, and the planned controller, from T + HOLD on, keeps the angle for an
+    """Whether they are, and the planned controller, from T + HOLD on, keeps the angle for an
     orbit."""
 
 
@@ -53,7 +55,7 @@ def check(p: plant.Parameters, course: Course, scenario: Data) -> Check:
             e = errors_of(x.R, x.Omega(p), reference)
             angle, rate = max(angle, e.angle), max(rate, float(np.linalg.norm(e.omega)))
     inside = angle < ANGLE and rate < RATE
-    return Check(angle, rate, gap, inside and _holds_on(p, x, scenario))
+    return Check(angle, rate, gap, inside, inside and _holds_on(p, x, scenario))
 
 
 def _holds_on(p: plant.Parameters, x: plant.State, scenario: Data) -> bool:

@@ -82,7 +82,7 @@ def line_of(run: int, wanted: Tumbles, flight: Flight, found: Optimum, old: Line
         if old is not None and whole.course.end >= old.best_s:
             break
         whole, seen = _checked(flight, whole, wanted)
-        if seen.held_on:
+        if _counts(seen, wanted):
             best = _of(whole, seen)
             break
     if best is None:
@@ -119,10 +119,14 @@ def _of(whole: Found, seen: Check) -> dict[str, Any]:
 def _checked(flight: Flight, found: Found, wanted: Tumbles) -> tuple[Found, Check]:
     """Returns what the plant confirms: the motion found, or the same with finer intervals."""
     seen = check(flight.plant, found.course, wanted.scenario)
-    if seen.held_on:
+    if _counts(seen, wanted):
         return found, seen
     finer = refined(flight, found, wanted.grid.finer)
     return (found, seen) if finer is None else (finer, check(flight.plant, finer.course, wanted.scenario))
+
+
+def _counts(seen: Check, wanted: Tumbles) -> bool:
+    return seen.held_on if wanted.held else seen.inside
 
 
 def _use(course: Course) -> Array:

@@ -28,6 +28,8 @@ class Tumbles:
     grid: Grid = ONE_WHEEL
     sample: float = 1.0
     """s between the samples of the flown motion."""
+    held: bool = True
+    """Whether a motion counts only where the controller holds from its end on."""
 
 
 def of_group(group: Group) -> Tumbles:

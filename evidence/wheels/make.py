@@ -14,7 +14,7 @@ from ..plots import save as save_figures
 from . import long, page, slews, telemetry
 from .bound import of_draws
 from .cases import all_flights
-from .kept import FILE, REMEDY, Flown, flown_of
+from .kept import FILE, REMEDY, Flown, flown_of, load_least
 
 RESULTS = FOLDER / "wheels"
 
@@ -56,8 +56,18 @@ def write() -> Path:
     docs = ROOT / "docs" / "evidence"
     found = files.load(Flown, docs / FILE, REMEDY)
     save_figures({"wheels": page.figure(found)}, docs.parent / "figures")
-    (docs / "wheels.md").write_text(page.text(found, slews.load(), long.load(), telemetry.load()), "utf-8")
+    (docs / "wheels.md").write_text(
+        page.text(found, slews.load(), long.load(), telemetry.load(), load_least()), "utf-8"
+    )
     return docs / "wheels.md"
+
+
+def _optimum(cases: int) -> Iterator[str]:
+    try:
+        from .optimum import make as search  # CasADi, which this part alone needs  # noqa: PLC0415
+    except ImportError as error:
+        raise InputError(f"{error}; remedy: pip install casadi") from error
+    return search(cases)
 
 
 PARTS: dict[str, Callable[[int, int, Sequence[str]], Iterator[str]]] = {
@@ -65,5 +75,6 @@ PARTS: dict[str, Callable[[int, int, Sequence[str]], Iterator[str]]] = {
     "slews": lambda cases, jobs, rows: slews.make(cases, jobs),
     "long": lambda cases, jobs, rows: long.make(jobs),
     "telemetry": lambda cases, jobs, rows: telemetry.make(cases, jobs),
+    "optimum": lambda cases, jobs, rows: _optimum(cases),
 }
 """What is flown: so many cases, by so many processes, of these rows. Each tells what it did."""

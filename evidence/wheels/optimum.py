@@ -33,6 +33,7 @@ def tumbles_of(satellite: str, runs: int) -> Tumbles:
         lambda run: least_time(of_runs[run]),
         GRID,
         sample=0.5,
+        held=False,
     )
 
 

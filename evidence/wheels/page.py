@@ -14,19 +14,26 @@ from .. import markdown
 from ..markdown import degrees
 from ..plots import BLUE, RED, name_axes, panels
 from .cases import CONDITIONS, DURATION, ORBIT, WHEELS
-from .kept import Flown
+from .kept import Flown, Least
 from .long import Long
 from .slews import ANGLES, WITHIN, Slew
 from .telemetry import FAILED, SETS, TELEMETRY, Failure
 
 HOLDS = {"nominal": 0.005, "estimated": 0.02}
 """deg rms: the requirements of the hold."""
+LATE, ASKED = (1.25, 1.6), 20
+"""Of the best time, at the median and at worst, and of how many tumbles of each satellite: the requirement."""
 
 
-def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long], telemetry: Sequence[Failure] = ()) -> str:
+def text(
+    flown: Sequence[Flown],
+    slews: Sequence[Slew],
+    long: Sequence[Long],
+    telemetry: Sequence[Failure] = (),
+    least: Sequence[Least] = (),
+) -> str:
     """Returns the page."""
     healthy = [f for f in flown if f.condition in ("nominal", "errors", "estimated")]
-    least = [f.settled_5 / f.least_time for f in flown if f.condition == "nominal" and f.least_time > 60.0]
     return markdown.render(
         Path(__file__).parent,
         healthy=_count(healthy),
@@ -52,7 +59,12 @@ def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long], te
             (one.flight, one.satellite, f"{degrees(one.rms)}, {degrees(one.largest)}", f"{one.wheel_share:.2f}")
             for one in long
         ],
-        ratios=f"{np.median(least):.1f}, at most {max(least):.1f}, of {len(least)}" if least else "not known",
+        late=[_late(least, name) for name in WHEELS if any(one.satellite == name for one in least)],
+        ratios=", ".join(f"{name} {_median(_ratios(least, name)):.2f}" for name in WHEELS if _ratios(least, name)),
+        within=all(_met(_ratios(least, name)) for name in WHEELS),
+        median_limit=LATE[0],
+        asked=ASKED,
+        holds_on=f"{sum(one.held_on for one in least)} of {len(least)}",
         most=max((f.run + 1 for f in flown), default=0),
         cases=len(flown),
         duration=f"{DURATION:,.0f}",
@@ -60,6 +72,28 @@ def text(flown: Sequence[Flown], slews: Sequence[Slew], long: Sequence[Long], te
         telemetry=list(_telemetry(telemetry)),
         told=_told([f for f in telemetry if f.of_telemetry]),
     )
+
+
+def _ratios(least: Sequence[Least], satellite: str) -> list[float]:
+    """The time to settle over the best found, of each tumble searched."""
+    return [one.flown_s / one.best_s for one in least if one.satellite == satellite]
+
+
+def _met(ratios: Sequence[float]) -> bool:
+    return len(ratios) >= ASKED and float(np.median(ratios)) <= LATE[0] and max(ratios) <= LATE[1]
+
+
+def _late(least: Sequence[Least], satellite: str) -> list[str]:
+    those, ratios = [one for one in least if one.satellite == satellite], _ratios(least, satellite)
+    best = f"{_median(one.best_s for one in those):.0f} s"
+    return [
+        satellite,
+        str(len(those)),
+        str(min(one.tried for one in those)),
+        best,
+        f"{_median(ratios):.2f}",
+        f"{max(ratios):.2f}",
+    ]
 
 
 def _count(flown: Sequence[Flown]) -> str:

@@ -104,6 +104,15 @@ def test_straight_takes_the_short_way_or_the_other_way_round(turns, angle):
     np.testing.assert_allclose(straight.Omega[50], 0.5 * (steps[49] + steps[50]), atol=1e-12)
 
 
+def test_a_course_in_less_time_is_the_same_path_at_a_higher_rate():
+    slow, fast = course(), course().within(40.0)
+    assert fast.end == pytest.approx(40.0)
+    assert (slow.attitudes.inv() * fast.attitudes).magnitude().max() == 0.0
+    np.testing.assert_allclose(fast.Omega[50], 2.5 * slow.Omega[50])
+    np.testing.assert_allclose(fast.Omega[0], slow.Omega[0])  # the satellite's own
+    assert course().within(1000.0).end == slow.end
+
+
 def test_a_course_is_its_beginning_and_then_what_is_left_of_it():
     whole = course()
     again = whole.then(40.0, whole.late(40.0))

@@ -11,6 +11,7 @@ from evidence.optimum.motion import Motion
 from evidence.optimum.problem import HOLD, Grid
 from evidence.optimum.transcription import solve
 from evidence.wheels.bound import of_plant
+from evidence.wheels.kept import load_least
 
 J, TORQUE = 2.0, 3e-3
 
@@ -59,3 +60,14 @@ def test_half_a_turn_is_sooner_over_about_changing_axes_as_bilimoria_and_wie_fou
     """J. Guidance 16(3), 1993: 3.2431 in the unit sqrt(J/tau), 2 sqrt(pi) = 3.5449 about one axis."""
     found = turn(cube(), math.radians(179.9), wobble=0.5)
     assert found.end == pytest.approx(3.2431 * math.sqrt(J / TORQUE), rel=0.02)
+
+
+# ---------------------------------------------------------------- docs/evidence/wheels_optimum.csv
+
+
+def test_each_best_motion_is_confirmed_of_ten_starts_and_not_below_the_bound_of_momentum():
+    for line in load_least():
+        assert line.tried >= 10
+        assert line.check_angle_deg < 5.0
+        assert line.check_rate_rad_s < 1e-3
+        assert not line.best_s < line.bound_s
