@@ -43,9 +43,7 @@ def text(
         one_of_three=_count([f for f in flown if f.condition == "one dead" and len(WHEELS[f.satellite]) == 3]),
         one_left=_count([f for f in flown if f.condition == "two dead"]),
         alone=_alone([f for f in flown if f.condition == "all dead"]),
-        rods=", ".join(
-            f"{degrees(f.hold_rms)} beside {degrees(f.least_angle)}" for f in flown if f.condition == "all dead"
-        ),
+        stuck=_unsettled([f for f in flown if f.satellite == "3U" and f.condition == "one stuck"]),
         others=_count([f for f in flown if f.condition in ("one weak", "one reversed", "one stuck", "one drags")]),
         named=sum(f.others for f in flown),
         rows=[row for name in WHEELS for row in _rows(flown, name)],
@@ -98,6 +96,11 @@ def _late(least: Sequence[Least], satellite: str) -> list[str]:
 
 def _count(flown: Sequence[Flown]) -> str:
     return f"{sum(f.settled for f in flown)} of {len(flown)}"
+
+
+def _unsettled(flown: Sequence[Flown]) -> tuple[str, int]:
+    """How many do not settle, and how many of them turn round."""
+    return f"{sum(not f.settled for f in flown)} of {len(flown)}", sum(f.hold_max > 90.0 for f in flown)
 
 
 def _quantiles(flown: Sequence[Flown]) -> str:

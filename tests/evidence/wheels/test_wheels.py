@@ -66,7 +66,10 @@ def test_a_flight_that_does_not_settle_counts_and_its_row_has_no_such_times():
     assert (
         "rods alone hold a 3U to 6° rms at the median, 9° at most; the least that any use of them reaches is 5°" in text
     )
-    assert "field to come: 6° beside 5°." in text
+    lost = [flown("3U", "one stuck", i, math.inf, hold_max=angle) for i, angle in enumerate((6.0, 170.0))]
+    assert "half its momentum**: 2 of 3 do not settle, 1 of them beyond 90°" in page.text(
+        [*lost, flown("3U", "one stuck", 2, 400.0)], [], []
+    )
     assert "2 of 3 slews end within" in text
     assert "| 12U | – | – | 1.20 | – | 1.23 |" in text
     assert next(row for row in text.splitlines() if row.startswith("| 50 kg | estimated")).count("–") == 2
