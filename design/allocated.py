@@ -38,7 +38,7 @@ def allocated(source: Source, place: str, law: Path | None) -> Source:
         wires.append(text)
         wires += [f"{origin} -> {name}.{port}" for port in SEEN if target == f"{place}.{port}"]
     wires += [f"{place}.{port} -> {name}.{port}" for port in DEMAND]
-    wires.append(f"{name}.wheel_failed -> {place}.wheel_failed")
+    wires += [f"{name}.{flag} -> {place}.{flag}" for flag in ("wheel_failed", "h_w_failed")]
     wires.append(f"{name}.dipole_cmd -> {place}.dipole_applied")
     if law is None:
         wires.append(f"{place}.rod_gains_estimate -> {name}.rod_gains")

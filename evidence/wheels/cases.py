@@ -160,7 +160,7 @@ def with_set(data: Data, satellite: str) -> Data:
     fit(data, "controller", "controller_planned_wheels")
     fit(data, "allocator", "allocator_bounded_wheels")
     data["connections"] += ["plant.h_w -> controller.h_w", "plant.h_w -> allocator.h_w"]
-    data["connections"] += ["allocator.wheel_failed -> controller.wheel_failed"]
+    data["connections"] += [f"allocator.{flag} -> controller.{flag}" for flag in ("wheel_failed", "h_w_failed")]
     data["connections"] += ["allocator.dipole_cmd -> controller.dipole_applied"]
     data["connections"] += ["controller.rod_gains_estimate -> allocator.rod_gains"]
     data["blocks"]["plant"]["start"].pop("h_w0", None)

@@ -134,6 +134,7 @@ def inputs(interface: Interface, rng: np.random.Generator, kind: int) -> dict[st
         "rod_gains": [1.1, 0.9, -1.0],
         "wheel_gains": 0.9,
         "wheel_failed": [False] * 4,
+        "h_w_failed": [False] * 4,
         "dipole_cmd": 20.0 * rng.normal(size=3),
         "wheel_torque_cmd": 3e-3 * rng.normal(),
         "R_d": Rotation.random(random_state=rng).as_matrix(),

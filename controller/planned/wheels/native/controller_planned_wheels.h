@@ -31,7 +31,8 @@ typedef struct {
     Vector rod_gains;     /* that are believed */
     double shown;         /* s, for which samples have shown what rods do */
     Vector h;             /* N m s, of the wheels at the last of them */
-    ControllerPlannedState planned; /* with one wheel or none; else its filter, for the rods */
+    double lowest[WHEELS_MAX], highest[WHEELS_MAX]; /* N m s, of each wheel since then */
+    ControllerPlannedState planned;                 /* with one wheel or none; else its filter, for the rods */
 } ControllerPlannedWheelsState;
 
 /* Parameters and what follows from them alone. */

@@ -15,6 +15,8 @@ static const double LEAST_WHEEL = 1e-9;                     /* N m, where the wh
 static const double KNOWN = 0.1;                            /* deviation of a gain from which on it is known */
 static const double WEAK = 0.4, SOUND = 0.2, CERTAIN = 8.0; /* what is missing of a gain; deviations beyond SOUND */
 static const double DEAD = 0.2;                             /* of a gain: commands are no larger for less */
+static const double MOVED =
+    0.03; /* of a wheel's limit: one that has not moved so far may tell a momentum that stands */
 
 bool controller_planned_wheels_start_rods(ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u,
                                           ControllerPlannedWheelsState *x, Fault *f)
@@ -33,12 +35,14 @@ bool controller_planned_wheels_start_rods(ControllerPlannedWheelsLaw *law, const
     return true;
 }
 
-/* Whether what the rods do shows: their commands, field and attitude are known, on an orbit of the Earth. */
+/* Whether what the rods do shows: their commands, field and attitude are known, on an orbit of the Earth, and the wheels
+ * tell their momenta: by what stands in for them the rods would seem to give nothing. */
 static bool shows(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u)
 {
     const Vector r = vector(u->r_N), v = vector(u->v_N);
     const double size = norm(r), mu = law->planned.p.gravitational_parameter;
-    return controller_planned_wheels_has_dipole_applied(u) && !is_zero_matrix(matrix(u->R_NB)) &&
+    const bool tell = !(u->h_w_failed[0] || u->h_w_failed[1] || u->h_w_failed[2] || u->h_w_failed[3]);
+    return tell && controller_planned_wheels_has_dipole_applied(u) && !is_zero_matrix(matrix(u->R_NB)) &&
            norm(vector(u->b_B)) >= WHEELS_FIELD_MIN && size >= ONBOARD_R_MIN && dot(v, v) * size < 2.0 * mu;
 }
 
@@ -59,6 +63,20 @@ static void believe(const Identification *id, ControllerPlannedWheelsState *x)
         }
     }
     x->rod_gains = vector(gains);
+}
+
+/* Whether each wheel works, and has moved since the watch began: else its telemetry may have frozen before. */
+static bool move(const ControllerPlannedWheelsLaw *law, const ControllerPlannedWheelsInputs *u, bool first,
+                 ControllerPlannedWheelsState *x)
+{
+    bool all = true;
+    for (int i = 0; i < WHEELS_MAX; ++i) {
+        x->lowest[i] = first ? u->h_w[i] : smaller(x->lowest[i], u->h_w[i]);
+        x->highest[i] = first ? u->h_w[i] : larger(x->highest[i], u->h_w[i]);
+        const bool tells = !u->wheel_failed[i] && x->highest[i] - x->lowest[i] > MOVED * law->p.wheel_momentum_max[i];
+        all = all && (i >= law->p.wheels || tells);
+    }
+    return all;
 }
 
 void controller_planned_wheels_watch_rods(ControllerPlannedWheelsLaw *law, const Sample *s, double h,
@@ -97,7 +115,9 @@ void controller_planned_wheels_watch_rods(ControllerPlannedWheelsLaw *law, const
     planned->p.wheel_momentum_max = momentum_max;
     planned->p.rate_noise = noise;
     x->h = s->h;
-    believe(&x->planned.identification, x);
+    if (move(law, u, !goes_on, x)) {
+        believe(&x->planned.identification, x);
+    }
 }
 
 /* The command whose dipole is the wanted one, as far as the rod gives it; of a dead rod the wanted one. */

@@ -46,12 +46,13 @@ def fly(
     target: Callable[[int], Any] | None = None,
     failed: Callable[[int], Any] | None = None,
     rods: bool = False,
+    told: Callable[[int, Any], Any] | None = None,
 ) -> None:
     """Calls `each` at every sample with its number, the plant's outputs, those of the controller, and the plant.
 
     `target`: the attitude at rest that is wanted at a sample, in the place of the parameters'; `failed`: the wheels
     that are said to have failed, in the place of what the allocator finds; `rods`: commands and gains of the rods are
-    connected.
+    connected; `told`: what the telemetry makes of the wheels' momenta.
     """
     with (
         running("plant_wheels", **body, **plant) as it,
@@ -64,6 +65,7 @@ def fly(
             allocator.set(name, body[name])
         for i in range(int(duration / H)):
             seen = {name: it.get(name) for name in MEASURED}
+            seen["h_w"] = seen["h_w"] if told is None else told(i, seen["h_w"])
             if failed is not None:
                 controller.set("wheel_failed", failed(i))
             elif i > 0:

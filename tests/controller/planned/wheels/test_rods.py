@@ -81,6 +81,27 @@ def test_a_rod_that_works_again_is_used_again_and_found_when_it_fails_again() ->
     assert said[-1]["rod_gains_estimate"][0] == pytest.approx(-1.0, abs=0.15)
 
 
+def test_while_the_telemetry_of_a_wheel_is_left_out_nothing_is_said_of_the_rods() -> None:
+    said: list[Any] = []
+    body = {**TUMBLE, "rod_gain": gains_of(1, -1.0), "disturbance_torque_B": PUSH}
+    law = {"h_w_failed": [False, True, False, False]}
+    fly(2000.0, lambda i, seen, y, it: said.append(y), SETS[3], body, law, rods=True)
+    assert not any(y["rod_failed"] for y in said)
+
+
+def test_a_momentum_that_stands_from_before_the_watch_on_is_no_failed_rod() -> None:
+    """What the rods take of that wheel does not show."""
+    said: list[Any] = []
+    first: dict[int, Any] = {}
+
+    def told(i: int, h_w: np.ndarray) -> np.ndarray:
+        return np.array([h_w[0], first.setdefault(1, h_w[1]) if i > 50 else h_w[1], *h_w[2:]])
+
+    body = {**TUMBLE, "disturbance_torque_B": PUSH}
+    fly(1500.0, lambda i, seen, y, it: said.append(y), SETS[3], body, {}, None, lambda i: [False] * 4, True, told)
+    assert not any(y["rod_failed"] for y in said)
+
+
 def test_without_the_commands_nothing_is_said_of_the_rods() -> None:
     said: list[Any] = []
     body = {**TUMBLE, "rod_gain": gains_of(1, -1.0)}
