@@ -23,7 +23,7 @@ def version_of(package: str) -> str | None:
 def _installed() -> dict[str, str]:
     """All of them: the first on the path of imports is the one that is imported."""
     versions: dict[str, str] = {}
-    for folder in sys.path:
+    for folder in sys.path.copy():  # which another thread may change
         with suppress(OSError):  # no folder, or a wheel
             for name in os.listdir(folder or "."):
                 if name.endswith(_DESCRIPTION):

@@ -14,14 +14,16 @@ import platform
 import shutil
 import struct
 import subprocess
+import sys
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
-from importlib.util import find_spec
+from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from threading import BoundedSemaphore
+
+from ..versions import version_of
 
 log = logging.getLogger(__name__)
 
@@ -99,10 +101,8 @@ def host_platform() -> str:
 
 def compiler() -> str:
     """Returns which compiler is used, with its version: it has a say in a library's bytes."""
-    try:
-        return f"ziglang {version('ziglang')}"
-    except PackageNotFoundError:
-        return f"system compiler {_system_compiler()}"
+    version = version_of("ziglang")
+    return f"ziglang {version}" if version else f"system compiler {_system_compiler()}"
 
 
 def compile_library(
@@ -158,6 +158,12 @@ def _tuple(target: str) -> str:
     """FMI 3.0's name of one of zig's targets."""
     processor, system = target.split("-")[:2]
     return f"{processor}-{'darwin' if system.startswith('macos') else system}"
+
+
+def find_spec(name: str) -> ModuleSpec | None:
+    """Returns where a package stands. A copy of the path is searched: another thread that imports a block's tables
+    changes `sys.path`, and a search of that itself can then miss a folder."""
+    return PathFinder.find_spec(name, sys.path.copy())
 
 
 def zig() -> Path | None:

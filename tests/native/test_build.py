@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import struct
+import sys
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -139,6 +141,30 @@ def test_sources_that_do_not_compile_are_refused_with_the_compilers_words(tmp_pa
     wrong.write_text("int f(void) { int x; return 1; }\n")
     with pytest.raises(native.CompilerError, match="unused variable 'x'"):
         toolchain.compile_library("wrong", [wrong], [], ["linux64"])
+
+
+def test_the_compiler_is_found_while_another_thread_changes_the_path_of_imports(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As `importing_from` does beside it: a folder that it put in front goes again while the path is searched."""
+
+    class Shifting(list[str]):
+        at = 0
+
+        def __iter__(self) -> Iterator[str]:
+            for number, entry in enumerate(super().__iter__()):
+                if number == self.at:
+                    self.pop(0)
+                yield entry
+
+    found = toolchain.zig()
+    assert found is not None
+    before = sys.path.copy()
+    for at in range(len(before) + 1):
+        shifting = Shifting(["/nowhere", *before])
+        shifting.at = at
+        monkeypatch.setattr(sys, "path", shifting)
+        assert toolchain.zig() == found
 
 
 @pytest.mark.parametrize("block", some(BLOCKS, "allocator"))
