@@ -34,6 +34,7 @@ def text(
 ) -> str:
     """Returns the page."""
     healthy = [f for f in flown if f.condition in ("nominal", "errors", "estimated")]
+    over = [f.settled_5 / f.least_time for f in flown if f.condition == "nominal" and f.least_time > 60.0]
     return markdown.render(
         Path(__file__).parent,
         healthy=_count(healthy),
@@ -60,6 +61,7 @@ def text(
         late=[_late(least, name) for name in WHEELS if any(one.satellite == name for one in least)],
         ratios=", ".join(f"{name} {_median(_ratios(least, name)):.2f}" for name in WHEELS if _ratios(least, name)),
         within=all(_met(_ratios(least, name)) for name in WHEELS),
+        over_bound=f"{np.median(over):.1f}, at most {max(over):.1f}, of {len(over)}" if over else "not known, of",
         median_limit=LATE[0],
         asked=ASKED,
         holds_on=f"{sum(one.held_on for one in least)} of {len(least)}",

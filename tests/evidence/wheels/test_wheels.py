@@ -60,6 +60,7 @@ def test_a_flight_that_does_not_settle_counts_and_its_row_has_no_such_times():
     assert "**Healthy, 3 of 4 tumbles settle**" in text
     assert "below 0.02° rms in 0 of 1, worst 0.03°" in text
     assert "With one wheel of four dead 0 of 1 settle, with one of three 1 of 1; with one that" in text
+    assert "at the median 1.2, at most 1.2, of 1" in text
     assert "The third is not met." in text
     assert "| a wheel dead | 1 of 1, 900 s, 0.004° | 0 of 1, –, – | – |" in text
     assert "all wheels that failed in 1 of 2 flights, after 20 s at the median and 20 s at worst; 0 sound" in text
