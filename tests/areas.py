@@ -4,8 +4,11 @@ Changes one token of the area's code at a time, in Python and C, and prints the 
 Exit status 1 where there are any. `python -m tests.mutants` makes all changes of some modules by mutmut, but none of C.
 Changes that no test can see stand in areas.toml, each with its reason.
 Works in copies of the tree. A change that no compiler takes, and a test that does not end, count as seen.
-The first run, without a change, takes the time of each test file: the quickest come first. `--only 7,12` tries two of
-the changes that a seed draws again.
+The first run, without a change, takes the time of each test file of C: the quickest come first. In Python, it takes
+the time of each test and which lines it runs, also in processes that it starts (needs coverage). A change is tried with
+the tests that run its statement: those that take 3 s together, then the rest; then with the quickest other tests that
+run its file, for 20 s. A statement that runs at import is tried with all tests that run its file. What fails in
+the first run is named and left out. `--only 7,12` tries two of the changes that a seed draws again.
 Tests: tests/test_areas.py.
 """
 
@@ -26,16 +29,19 @@ import tomllib
 import warnings
 import xml.etree.ElementTree as ET
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import accumulate
 from math import fsum
 from pathlib import Path
 from queue import SimpleQueue
 from time import monotonic
+from types import MappingProxyType
 
 import click
 
+from . import covered
 from .mutants import ROOT, copy
 
 _C = (
@@ -177,20 +183,23 @@ def drawn(root: Path, area: str, count: int, seed: int) -> Iterator[Change]:
 @click.option("--count", default=15, show_default=True, help="How many changes.")
 @click.option("--seed", default=1, show_default=True, help="Draws them.")
 @click.option("--only", default="", metavar="N,N,...", help="Try these of them alone.")
+@click.option("--tests", default="", metavar="TEST...", help="Try them with these tests alone.")
 @click.option("--processes", default=1, show_default=True, help="How many are tried side by side.")
 @click.option(
     "--share",
     type=click.FloatRange(0.0, 1.0),
     help="Only the quickest of the tests of `make test`, which take this share of their time.",
 )
-def main(area: str, count: int, seed: int, only: str, processes: int, share: float | None) -> None:
+def main(area: str, count: int, seed: int, only: str, tests: str, processes: int, share: float | None) -> None:
     """Count what the tests of AREA see of changes to its code."""
     chosen = [one for one in drawn(ROOT, area, count, seed) if not only or str(one.number) in only.split(",")]
     with tempfile.TemporaryDirectory() as folder:
-        sys.exit(1 if _unseen(area, chosen, share, Path(folder), processes) else 0)
+        sys.exit(1 if _unseen(area, chosen, tests.split(), share, Path(folder), processes) else 0)
 
 
-def _unseen(area: str, chosen: list[Change], share: float | None, folder: Path, processes: int) -> int:
+def _unseen(
+    area: str, chosen: list[Change], tests: Sequence[str], share: float | None, folder: Path, processes: int
+) -> int:
     """Tries the changes, each in one of the copies of the tree; returns how many no test saw."""
     copies: SimpleQueue[Path] = SimpleQueue()
     for number in range(processes):
@@ -199,9 +208,15 @@ def _unseen(area: str, chosen: list[Change], share: float | None, folder: Path, 
         for kept in ("fmus", "tests"):
             if (ROOT / "out" / kept).is_dir():
                 shutil.copytree(ROOT / "out" / kept, root / "out" / kept)
-        if area.endswith(" in C"):
+        if area.endswith(" in C") or any(change.file.endswith(".c") for change in chosen):
             _with_objects(root, folder)
-    groups = [_timed(root, area, kind, share or 1.0) for kind in (_KINDS if share is None else _KINDS[:1])]
+    kinds = _KINDS if share is None else _KINDS[:1]
+    lines = None
+    groups = [_Group("", tuple(tests), 600.0)] if tests else []
+    if any(change.file.endswith(".py") for change in chosen) and not tests:
+        lines = _lines(root, area, kinds)
+    if any(change.file.endswith(".c") for change in chosen) and not tests:
+        groups = [_timed(root, area, kind, share or 1.0) for kind in kinds]
 
     def one(change: Change) -> str:
         elsewhere = change.file.endswith("_windows.c") and sys.platform != "win32"
@@ -211,9 +226,13 @@ def _unseen(area: str, chosen: list[Change], share: float | None, folder: Path, 
             root = copies.get()
             path = root / change.file
             text = path.read_text("utf-8")
+            tried = groups if lines is None or path.suffix == ".c" else _covering(lines, root, change, text, share)
+            time = path.stat().st_mtime
             path.write_text(change.text, "utf-8")
-            end = "seen" if _is_seen(root, groups, path) else "NOT SEEN"
+            os.utime(path, (time, time + change.number))  # by which Python knows that what it compiled is old
+            end = "seen" if _is_seen(root, tried, path) else "NOT SEEN"
             path.write_text(text, "utf-8")
+            os.utime(path, (time, time))
             copies.put(root)
         print(f"{change.number} {end} {change.file}:{change.line}: {change.words}", flush=True)
         return end.partition(",")[0]
@@ -238,7 +257,7 @@ def _with_objects(root: Path, folder: Path) -> None:
 
 @dataclass(frozen=True)
 class _Group:
-    """Test files of one kind, the quickest first, and a time, s, that they do not take."""
+    """Tests of one kind, or files of them, the quickest first, and a time, s, that they do not take."""
 
     kind: str
     files: tuple[str, ...]
@@ -262,6 +281,48 @@ def _timed(root: Path, area: str, kind: str, share: float) -> _Group:
     return _Group(kind, quickest(times, share), 60.0 + 4.0 * (monotonic() - begun))
 
 
+def _lines(root: Path, area: str, kinds: Sequence[str]) -> covered.Lines:
+    """Which of the area's tests run which lines of its Python, from one run."""
+    folder, start = root / "covered", root / "sitecustomize.py"
+    folder.mkdir()
+    files = [str(path) for pattern in AREAS[area][0] for path in root.glob(pattern)]
+    settings = folder / "settings.ini"
+    settings.write_text(covered.SETTINGS.format(files=",".join(files), data=folder), "utf-8")
+    start.write_text(covered.BEGIN, "utf-8")
+    more = ("-n2", "-p", "tests.covered", "--maxfail=1000")
+    kind = kinds[0] if len(kinds) == 1 else ""
+    measured = {"COVERAGE_PROCESS_START": str(settings), "COVERED": str(folder)}
+    end = _run(root, _Group(kind, AREAS[area][1], 3600.0), more, measured)
+    start.unlink()
+    if end is None or not (folder / "times").exists():
+        raise click.ClickException(f"the tests of {area} do not run:\n{'' if end is None else end.stdout[-2000:]}")
+    lines = covered.read(folder)
+    print(f"{len(lines.times)} tests take {fsum(lines.times.values()):.0f} s; left out: {lines.failed}", flush=True)
+    return lines
+
+
+def _covering(lines: covered.Lines, root: Path, change: Change, text: str, share: float | None) -> Iterator[_Group]:
+    """The tests that can see a change, in the order in which they are tried."""
+    near, other = lines.of(root / change.file, text, change.line)
+    first, rest = within(near, lines.times, 3.0)
+    if share is not None:
+        rest, other = within(rest, lines.times, share * fsum(lines.times[test] for test in near))[0], []
+    for tests in (first, rest, within(other, lines.times, 20.0)[0]):
+        by_file = sorted(tests, key=lambda test: tests.index(next(t for t in tests if _file(t) == _file(test))))
+        yield _Group("", tuple(by_file), 60.0 + 4.0 * fsum(lines.times[test] for test in tests))
+
+
+def _file(test: str) -> str:
+    return test.partition("::")[0]
+
+
+def within(tests: Sequence[str], times: Mapping[str, float], most: float) -> tuple[list[str], list[str]]:
+    """The first of the tests, which take no more than this time together, but one at least; and the rest."""
+    spent = list(accumulate(times[test] for test in tests))
+    count = max(1, sum(time <= most for time in spent))
+    return list(tests[:count]), list(tests[count:])
+
+
 def quickest(times: Mapping[str, float], share: float) -> tuple[str, ...]:
     """The files with the least times, in their order, that take no more than a share of the time of all."""
     files = sorted(times, key=times.__getitem__)
@@ -269,25 +330,30 @@ def quickest(times: Mapping[str, float], share: float) -> tuple[str, ...]:
     return tuple(file for n, file in enumerate(files, 1) if fsum(times[each] for each in files[:n]) <= most)
 
 
-def _is_seen(root: Path, groups: Sequence[_Group], path: Path) -> bool:
+def _is_seen(root: Path, groups: Iterable[_Group], path: Path) -> bool:
     for group in groups:
-        near = "tests/native/" if path.suffix == ".c" else "tests/"
-        files = sorted(group.files, key=lambda file: (Path(file).stem != f"test_{path.stem}", near not in file))
+        near = "tests/native/"
+        files = list(group.files)
+        if path.suffix == ".c":
+            files.sort(key=lambda file: (Path(file).stem != f"test_{path.stem}", near not in file))
         end = _run(root, _Group(group.kind, tuple(files), group.limit)) if files else None
         if files and (end is None or end.returncode not in _FINE):
             return True
     return False
 
 
-def _run(folder: Path, group: _Group, more: Sequence[str] = ()) -> subprocess.CompletedProcess[str] | None:
+def _run(
+    folder: Path, group: _Group, more: Sequence[str] = (), settings: Mapping[str, str] = MappingProxyType({})
+) -> subprocess.CompletedProcess[str] | None:
     """Runs tests in the copy, of which processes that they start import, too; None where they do not end."""
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:randomly", *more]
-    command += ["-m", group.kind, *group.files]
+    command += [*(("-m", group.kind) if group.kind else ()), f"@{folder / 'tests.txt'}"]
+    (folder / "tests.txt").write_text("\n".join(group.files), "utf-8")
     compiler = folder.parent / "cc"
     run = subprocess.Popen(
         command,
         cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(folder)} | ({"CC": str(compiler)} if compiler.exists() else {}),
+        env=os.environ | {"PYTHONPATH": str(folder)} | settings | ({"CC": str(compiler)} if compiler.exists() else {}),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

@@ -2,13 +2,16 @@
 compiler that compiles what has changed alone."""
 
 import ctypes
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
-from . import objects
-from .areas import AREAS, EQUIVALENT, ROOT, change_of, changes, drawn, quickest
+from . import covered, objects
+from .areas import AREAS, EQUIVALENT, ROOT, change_of, changes, drawn, quickest, within
 
 
 def changed(tmp_path: Path, name: str, text: str) -> set[str]:
@@ -58,6 +61,46 @@ def test_all_tests_are_run_where_no_share_is_asked_for():
     times = {f"test_{n}.py": 0.1 * (n % 7 + 1) / 3.0 for n in range(100)}
     assert set(quickest(times, 1.0)) == set(times)
     assert quickest({"a": 3.0, "b": 1.0, "c": 2.0}, 0.5) == ("b", "c")
+
+
+def test_the_quickest_tests_come_first_within_a_time_and_one_at_least():
+    times = {"a": 1.0, "b": 2.0, "c": 4.0}
+    assert within("abc", times, 3.5) == (["a", "b"], ["c"])
+    assert within("abc", times, 0.0) == (["a"], ["b", "c"])
+    assert within("", times, 9.0) == ([], [])
+
+
+@pytest.mark.isolate
+def test_a_line_is_tried_with_the_tests_that_run_it_also_in_processes_that_they_start(tmp_path):
+    pytest.importorskip("coverage")
+    code = (
+        "def f(x):\n    y = (x +\n         1)\n    return y\n\n"
+        "def g(x):\n    return -x\n\nif __name__ == '__main__':\n    g(1)\n"
+    )
+    tests = (
+        "import subprocess, sys, pytest, code_\n@pytest.mark.parametrize('x', ['|', ' (a)'])\n"
+        "def test_f(x): code_.f(1)\ndef test_g(): subprocess.run([sys.executable, 'code_.py'], check=True)\n"
+        "def test_fails(): code_.g(1); assert False\n"
+    )
+    file, settings = tmp_path / "code_.py", tmp_path / "settings.ini"
+    for path, text in (
+        (file, code),
+        (tmp_path / "test_it.py", tests),
+        (tmp_path / "pytest.ini", "[pytest]\npythonpath = .\n"),
+        (tmp_path / "sitecustomize.py", covered.BEGIN),
+        (settings, covered.SETTINGS.format(files=file, data=tmp_path)),
+    ):
+        path.write_text(text)
+    own = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+    own |= {"PYTHONPATH": f"{tmp_path}{os.pathsep}{ROOT}", "COVERED": str(tmp_path)}
+    command = [sys.executable, "-m", "pytest", "-q", "-n1", "-p", "tests.covered", "test_it.py"]
+    run = subprocess.run(command, cwd=tmp_path, env=own | {"COVERAGE_PROCESS_START": str(settings)}, check=False)
+    assert run.returncode == 1
+    lines = covered.read(tmp_path)
+    assert lines.failed == ["test_it.py::test_fails"]
+    f, g = {"test_it.py::test_f[|]", "test_it.py::test_f[ (a)]"}, {"test_it.py::test_g"}
+    for line, near, other in ((3, f, g), (4, f, g), (7, g, f), (6, f | g, set())):
+        assert tuple(map(set, lines.of(file, code, line))) == (near, other)
 
 
 @pytest.mark.compile
