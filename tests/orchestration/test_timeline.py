@@ -107,6 +107,18 @@ def test_an_expectation_of_a_phase_looks_at_its_samples_alone() -> None:
     assert by_name["never"].note == "there is no sample in the phase sun"
 
 
+def test_each_wrong_phase_of_a_signal_is_told_and_a_signal_of_real_numbers_has_none() -> None:
+    told = refused(timeline=TIMELINE, phases={"signal": "supervisor.mode", "names": {"waiting": 1, "odd": "two"}})
+    assert "is a phase of the timeline, too" in told
+    assert "phases.names.odd" in told
+    told = refused(phases={"signal": "supervisor.target_elevation", "names": {"low": 0}})
+    assert "expected one boolean, whole number or enumeration" in told
+
+
+def test_a_pattern_records_the_outputs_that_match_it_alone() -> None:
+    assert list(flown(record={"signals": ["supervisor.mo*e"]})) == ["supervisor.mode"]
+
+
 def test_values_of_the_signal_of_phases_are_told_by_their_names() -> None:
     phases = {"signal": "supervisor.mode", "names": {"safe": 1, "acquiring": 2}}
     expect = [

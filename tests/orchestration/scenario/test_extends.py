@@ -244,3 +244,13 @@ def test_a_law_takes_the_place_of_an_fmu_with_its_ports_and_start_values(tmp_pat
         "python": "parts/my_law.py",
     }
     assert blocks["theirs"] == {"python": "parts/my_law.py", "interface": "allocator"}
+
+
+@pytest.mark.parametrize(
+    ("path", "expected"), [("../plant", "./plant"), ("a.fmu", "part/a.fmu"), ("../b.fmu", "b.fmu")]
+)
+def test_a_path_beside_the_file_that_extends_another_is_not_taken_for_a_block_of_ours(path, expected, tmp_path):
+    (tmp_path / "part").mkdir()
+    (tmp_path / "part" / "part.yaml").write_text(f"name: n\nstep: 1\nduration: 1\nblocks: {{m: {{fmu: {path}}}}}\n")
+    (tmp_path / "over.yaml").write_text("extends: part/part.yaml\n")
+    assert load(tmp_path / "over.yaml").source.data["blocks"]["m"]["fmu"] == expected

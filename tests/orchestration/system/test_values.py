@@ -7,8 +7,11 @@ from pathlib import Path
 import pytest
 
 from fmus.units import Unit
+from orchestration import InputError, load
+from orchestration.fmu.model import Variable
 from orchestration.quantities import QuantityError, parse_unit
-from orchestration.system.values import scalar
+from orchestration.session.open import open_scenario
+from orchestration.system.values import item, scalar
 from tests.commands import orchestrate
 
 from ..mocks import real
@@ -30,6 +33,20 @@ def test_a_bare_number_that_is_right_in_the_unit_shown_gets_a_remedy(value, reme
     with pytest.raises(QuantityError) as info:
         scalar(angle, 0, value)
     assert str(info.value).endswith(("rad", "(516 deg)")[value == "516 deg"] + remedy)
+
+
+def test_a_bare_number_that_is_the_limit_in_the_unit_shown_gets_a_remedy():
+    radius = real("r", "parameter", unit=parse_unit("m"), display_unit=parse_unit("km"), minima=(6378e3,))
+    with pytest.raises(QuantityError, match="remedy: '6378 km'$"):
+        scalar(radius, 0, 6378)
+
+
+def test_an_item_of_an_enumeration_is_given_by_its_name_or_number_and_by_nothing_else():
+    mode = Variable("mode", "parameter", type="enumeration", references=(0,), items=(("off", 1), ("on", 2)))
+    assert [item(mode, value) for value in ("off", 2)] == [1, 2]
+    for value in (3, True, 1.0, "3"):
+        with pytest.raises(QuantityError, match="expected one of off, on, found"):
+            item(mode, value)
 
 
 def test_a_height_given_as_a_radius_gets_the_input_that_takes_heights():
@@ -66,3 +83,29 @@ def test_a_unit_that_the_fmu_names_without_defining_it_is_only_itself(value, fou
     assert scalar(count, 0, value) == found
     with pytest.raises(QuantityError):
         scalar(count, 0, "3 m")
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("exchange", "a file that extends it and has 'exchange'"), ("step", "--step '1'")]
+)
+def test_a_key_of_the_scenario_among_shared_values_is_told_with_the_remedy(name, told):
+    extended = {"extends": str(PAPER), "shared": {name: 1}}
+    with pytest.raises(InputError, match=f"{name} is no parameter but a key of the scenario; remedy: {told}"):
+        open_scenario(load(extended))
+
+
+@pytest.mark.parametrize(
+    ("part", "told"),
+    [
+        (
+            {"figures": [{"name": "f", "panels": [{"signals": ["plant.omega_B"]}], "window": [2, 2]}]},
+            "the second after",
+        ),
+        ({"view": {"attitude": "plant.R_NB", "body": {"length": "plant.omega_B0"}}}, "expected a number"),
+        ({"view": {"attitude": "plant.R_NB", "axes": {"a": "plant.orbit_radius"}}}, "expected directions"),
+    ],
+)
+def test_a_window_has_a_length_and_parameters_of_a_view_have_their_shape(part, told):
+    given = {"extends": str(PAPER), **part}
+    with pytest.raises(InputError, match=told):
+        open_scenario(load(given))

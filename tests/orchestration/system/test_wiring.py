@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fmus.units import Unit
 from orchestration import InputError
 from orchestration.fmu.model import shared
 from orchestration.quantities import parse_unit
@@ -71,6 +72,38 @@ def test_elements_connect_to_what_has_one_unit():
 def test_an_element_that_does_not_fit_is_named(units, connection, message):
     with pytest.raises(InputError, match=rf"connections\[1\].*the units do not fit: {message}"):
         given([source(**applied(*units)), sink(**applied("A.m2", "N.m"))], connection)
+
+
+UNKNOWN = Unit("N.m", None, 1.0, 0.0)
+"""A unit that an FMU names without defining it."""
+
+
+@pytest.mark.parametrize(
+    ("given_in", "wanted_in", "note"),
+    [
+        (UNKNOWN, parse_unit("N.m"), None),
+        (Unit("widget", None, 1.0, 0.0), parse_unit("N.m"), "source.y in widget feeds sink.u in N.m as it is"),
+        (None, parse_unit("mN.m"), "source.y has no unit, so that of sink.u, mN.m, is taken for granted"),
+        (parse_unit("mN.m"), None, "sink.u has no unit, so that of source.y, mN.m, is taken for granted"),
+    ],
+)
+def test_a_value_whose_unit_is_not_known_is_taken_as_it_is_with_a_note(given_in, wanted_in, note):
+    values, notes = given([source(unit=given_in), sink(unit=wanted_in)], "source.y -> sink.u")
+    assert values == [1.0]
+    assert [note in each for each in notes] == ([] if note is None else [True])
+
+
+@pytest.mark.parametrize(
+    ("connection", "message"),
+    [
+        ("source.y -> sink.u", "the shapes differ"),
+        ("sink.u -> sink.u", "sink.u is an input; expected an output of sink"),
+        ("source.y -> source.y", "source.y is an output; expected an input of source"),
+    ],
+)
+def test_ends_that_do_not_fit_are_named(connection, message):
+    with pytest.raises(InputError, match=message):
+        given([source(shape=(2,)), sink()], connection)
 
 
 def test_start_values_and_expectations_are_in_the_unit_of_their_element():
