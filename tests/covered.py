@@ -1,4 +1,4 @@
-"""Which tests run each line of some files: a plugin of pytest for `python -m tests.areas`, which needs coverage.
+"""Which tests run each line of some files: a plugin of pytest for `python -m tests.areas`.
 
 `begin` runs at the start of each process that the tests start, and gives what it runs to the test that started it.
 """
@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from coverage import Coverage, CoverageData
 
 SETTINGS = """
 [run]
@@ -27,8 +28,6 @@ disable_warnings = no-data-collected,module-not-measured,couldnt-parse
 """
 BEGIN = "import coverage\ncoverage.process_startup()\n"
 """A `sitecustomize.py` that begins to measure, with the file of settings that COVERAGE_PROCESS_START names."""
-
-
 _PHASE = re.compile(r" \((?:setup|call|teardown)\)$")
 
 
@@ -67,8 +66,6 @@ def statement(text: str, line: int) -> range:
 
 def read(folder: Path) -> Lines:
     """What a run with this plugin has written into a folder."""
-    from coverage import CoverageData
-
     times: Counter[str] = Counter()
     failed = set()
     for test, outcome, duration in map(json.loads, (folder / "times").read_text("utf-8").splitlines()):
@@ -89,8 +86,6 @@ def read(folder: Path) -> Lines:
 
 
 def pytest_runtest_logstart(nodeid: str) -> None:
-    from coverage import Coverage
-
     measuring = Coverage.current()
     if measuring is not None and "PYTEST_XDIST_WORKER" in os.environ:
         measuring.switch_context(nodeid)
@@ -104,8 +99,6 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish() -> None:
-    from coverage import Coverage
-
     measuring = Coverage.current()
     if measuring is not None:
         measuring.save()

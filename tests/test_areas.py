@@ -72,7 +72,6 @@ def test_the_quickest_tests_come_first_within_a_time_and_one_at_least():
 
 @pytest.mark.isolate
 def test_a_line_is_tried_with_the_tests_that_run_it_also_in_processes_that_they_start(tmp_path):
-    pytest.importorskip("coverage")
     code = (
         "def f(x):\n    y = (x +\n         1)\n    return y\n\n"
         "def g(x):\n    return -x\n\nif __name__ == '__main__':\n    g(1)\n"
