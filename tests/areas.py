@@ -5,7 +5,7 @@ Exit status 1 where there are any. `python -m tests.mutants` makes all changes o
 Changes that no test can see stand in areas.toml, each with its reason.
 Works in copies of the tree. A change that no compiler takes, and a test that does not end, count as seen.
 The first run, without a change, takes the time of each test file of C: the quickest come first. In Python, it takes
-the time of each test and which lines it runs, also in processes that it starts (needs coverage). A change is tried with
+the time of each test and which lines it runs, also in processes that it starts. A change is tried with
 the tests that run its statement: those that take 3 s together, then the rest; then with the quickest other tests that
 run its file, for 20 s. A statement that runs at import is tried with all tests that run its file. What fails in
 the first run is named and left out. `--only 7,12` tries two of the changes that a seed draws again.
@@ -32,7 +32,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from itertools import accumulate
+from itertools import accumulate, chain
 from math import fsum
 from pathlib import Path
 from queue import SimpleQueue
@@ -208,11 +208,14 @@ def _unseen(
         for kept in ("fmus", "tests"):
             if (ROOT / "out" / kept).is_dir():
                 shutil.copytree(ROOT / "out" / kept, root / "out" / kept)
-        if area.endswith(" in C") or any(change.file.endswith(".c") for change in chosen):
+        if any(change.file.endswith(".c") for change in chosen):
             _with_objects(root, folder)
     kinds = _KINDS if share is None else _KINDS[:1]
     lines = None
-    groups = [_Group("", tuple(tests), 600.0)] if tests else []
+    groups = []
+    if tests:
+        groups = [_Group("", tuple(tests), 600.0)]
+        _check(area, _run(root, groups[0]))
     if any(change.file.endswith(".py") for change in chosen) and not tests:
         lines = _lines(root, area, kinds)
     if any(change.file.endswith(".c") for change in chosen) and not tests:
@@ -272,13 +275,18 @@ def _timed(root: Path, area: str, kind: str, share: float) -> _Group:
     begun = monotonic()
     report = root / "times.xml"
     end = _run(root, _Group(kind, AREAS[area][1], 3600.0), ("-n2", f"--junitxml={report}", "-o", "junit_family=xunit1"))
-    if end is None or end.returncode not in _FINE:
-        last = "they did not end" if end is None else end.stdout[-2000:]
-        raise click.ClickException(f"the tests of {area} fail without a change:\n{last}")
+    _check(area, end)
     times: Counter[str] = Counter()
     for case in ET.parse(report).getroot().iter("testcase"):  # pytest wrote it
         times[case.attrib["file"]] += float(case.attrib["time"])
     return _Group(kind, quickest(times, share), 60.0 + 4.0 * (monotonic() - begun))
+
+
+def _check(area: str, end: subprocess.CompletedProcess[str] | None) -> None:
+    """Raises ClickException where tests that ran without a change have failed, or could not be found."""
+    if end is None or end.returncode not in _FINE:
+        last = "they did not end" if end is None else end.stdout[-2000:]
+        raise click.ClickException(f"the tests of {area} fail without a change:\n{last}")
 
 
 def _lines(root: Path, area: str, kinds: Sequence[str]) -> covered.Lines:
@@ -308,12 +316,11 @@ def _covering(lines: covered.Lines, root: Path, change: Change, text: str, share
     if share is not None:
         rest, other = within(rest, lines.times, share * fsum(lines.times[test] for test in near))[0], []
     for tests in (first, rest, within(other, lines.times, 20.0)[0]):
-        by_file = sorted(tests, key=lambda test: tests.index(next(t for t in tests if _file(t) == _file(test))))
-        yield _Group("", tuple(by_file), 60.0 + 4.0 * fsum(lines.times[test] for test in tests))
-
-
-def _file(test: str) -> str:
-    return test.partition("::")[0]
+        by_file: dict[str, list[str]] = {}
+        for test in tests:
+            by_file.setdefault(test.partition("::")[0], []).append(test)
+        limit = 60.0 + 4.0 * fsum(lines.times[test] for test in tests)
+        yield _Group("", tuple(chain.from_iterable(by_file.values())), limit)
 
 
 def within(tests: Sequence[str], times: Mapping[str, float], most: float) -> tuple[list[str], list[str]]:
@@ -332,10 +339,9 @@ def quickest(times: Mapping[str, float], share: float) -> tuple[str, ...]:
 
 def _is_seen(root: Path, groups: Iterable[_Group], path: Path) -> bool:
     for group in groups:
-        near = "tests/native/"
         files = list(group.files)
         if path.suffix == ".c":
-            files.sort(key=lambda file: (Path(file).stem != f"test_{path.stem}", near not in file))
+            files.sort(key=lambda file: (Path(file).stem != f"test_{path.stem}", "tests/native/" not in file))
         end = _run(root, _Group(group.kind, tuple(files), group.limit)) if files else None
         if files and (end is None or end.returncode not in _FINE):
             return True
