@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from . import covered, objects
+from . import covered, mutants_of_c, objects
 from .areas import AREAS, EQUIVALENT, ROOT, change_of, changes, drawn, quickest, within
 
 
@@ -119,3 +119,9 @@ def test_the_compiler_keeps_the_objects_of_what_has_not_changed(tmp_path):
     (tmp_path / "n.h").write_text("enum { N = 5 };\n")
     assert objects.main(kept, "cc", [*options[:-1], str(tmp_path / "other.so")]) == 0
     assert ctypes.CDLL(str(tmp_path / "other.so")).a() == 53
+
+
+def test_a_change_of_c_is_tried_with_the_tests_of_its_statement_and_outside_functions_with_those_of_the_file():
+    lines, functions = {4: {"a", "b"}, 6: {"b"}, 9: set(), 10: {"c"}}, {(3, 7), (9, 11)}
+    for line, tests in ((4, {"a", "b"}), (5, {"a", "b"}), (7, {"b"}), (9, set()), (11, {"c"}), (1, {"a", "b", "c"})):
+        assert mutants_of_c.executing(lines, functions, line) == tests

@@ -280,7 +280,7 @@ def test_friction_is_learned_and_given_back_on_both_sides_of_zero_speed() -> Non
             it.step(T * i, T)
             assert not it.outputs()["wheel_failed"].any()
         it.set("h_w", np.zeros(4))
-        for side in (1.0, -1.0):  # from rest friction is against the motion that is wanted
+        for side in (1.0, -1.0, 0.0):  # from rest friction is against the motion that is wanted
             wanted = side * 1e-4 * NULL / np.abs(NULL).max()
             it.set("wheel_torque_ff", wanted)
             given = it.get("wheel_torque_cmd")

@@ -55,6 +55,19 @@ def test_a_hold_holds_the_command_before_it_each_time(flavour):
                     np.testing.assert_array_equal(held[name], before[name])
 
 
+def test_before_the_first_command_a_hold_gives_none(flavour):
+    """Along the field a demand of exactly the fraction of what the wheel can give is held; no limit is reached."""
+    p = parameters("allocator", wheel_torque_max=2.0**-9, hold_fraction=1.0)
+    u = inputs("allocator", b_B=[2.0**-15, 0.0, 0.0], tau_cmd_B=[2.0**-9, 0.0, 0.0])
+    with flavour("allocator", p, u, H) as step:
+        for _ in range(2):
+            y = step(u)
+            assert y["demand_fraction"] == 1.0
+            assert y["holding"]
+            assert not np.any(y["dipole_cmd"])
+            assert y["wheel_torque_cmd"] == 0.0
+
+
 def test_zeros_for_an_attitude_are_taken_before_the_first_one_and_refused_after_it(flavour):
     """Where no reference is connected: each flight anew."""
     for block in ("controller", "plant_judge"):
