@@ -2,13 +2,15 @@
 
 Changes one token of the area's code at a time, in Python and C, and prints the changes that none of its tests sees.
 Exit status 1 where there are any. `python -m tests.mutants` makes all changes of some modules by mutmut, but none of C.
-Changes that no test can see stand in areas.toml, each with its reason.
-Works in copies of the tree. A change that no compiler takes, and a test that does not end, count as seen.
-The first run, without a change, takes the time of each test file of C: the quickest come first. In Python, it takes
-the time of each test and which lines it runs, also in processes that it starts. A change is tried with
-the tests that run its statement: those that take 3 s together, then the rest; then with the quickest other tests that
-run its file, for 20 s. A statement that runs at import is tried with all tests that run its file. What fails in
-the first run is named and left out. `--only 7,12` tries two of the changes that a seed draws again.
+Changes that no test can see stand in areas.toml, each with its reason. Works in copies of the tree.
+The first run, without a change, takes the time of each test and which lines it runs, in Python also in processes that
+it starts. What fails there is named and left out. A change of Python is tried with the tests that run its statement:
+those that take 3 s together, then the rest; then with the quickest other tests that run its file, for 20 s. A statement
+that runs at import is tried with all tests that run its file. A change of C is tried as mutants_of_c.py says.
+A change is seen where a test fails, or does not end, or where a file of tests cannot be imported any more. It is also
+seen where no compiler takes it. Where it takes the name of a test away, all tests of that file are tried. Any other end
+of pytest, such as an error of its own, is no failure of a test: the change counts as not seen.
+`--only 7,12` tries two of the changes that a seed draws again, `--tests` any with the tests that it names.
 Tests: tests/test_areas.py.
 """
 
@@ -27,21 +29,18 @@ import tempfile
 import tokenize
 import tomllib
 import warnings
-import xml.etree.ElementTree as ET
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from itertools import accumulate, chain
 from math import fsum
 from pathlib import Path
 from queue import SimpleQueue
-from time import monotonic
 from types import MappingProxyType
 
 import click
 
-from . import covered
+from . import covered, mutants_of_c
 from .mutants import ROOT, copy
 
 _C = (
@@ -94,10 +93,10 @@ AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 }  # fmt: skip
 """By area: its code, and the tests that it is held against."""
 EQUIVALENT: dict[str, str] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
-_KINDS = "not thorough", "thorough"
-"""The tests of `make test`, and those of `make thorough` where the first see nothing."""
-_FINE = 0, 5
-"""Exit status of pytest: all pass, or there are none of the kind."""
+_FINE, _FAILED, _NOT_FOUND = (0, 5), 1, 4
+"""Exit status of pytest: all pass, or there are none of the kind; one fails; one that is named is not there."""
+_NO_IMPORT = "ERROR collecting", "while loading conftest"
+"""What pytest says where a file of tests cannot be imported."""
 _PAIRS = (
     *("< <=", "> >=", "== !=", "+ -", "* /", "+= -=", "&& ||", "and or"),
     *("True False", "true false", "min max", "break continue"),
@@ -184,17 +183,42 @@ def drawn(root: Path, area: str, count: int, seed: int) -> Iterator[Change]:
 @click.option("--seed", default=1, show_default=True, help="Draws them.")
 @click.option("--only", default="", metavar="N,N,...", help="Try these of them alone.")
 @click.option("--tests", default="", metavar="TEST...", help="Try them with these tests alone.")
-@click.option("--processes", default=1, show_default=True, help="How many are tried side by side.")
+@click.option("--processes", default=1, show_default=True, help="How many of Python are tried side by side.")
 @click.option(
     "--share",
     type=click.FloatRange(0.0, 1.0),
-    help="Only the quickest of the tests of `make test`, which take this share of their time.",
+    help="In Python, only the quickest of the tests of `make test`, which take this share of their time.",
 )
 def main(area: str, count: int, seed: int, only: str, tests: str, processes: int, share: float | None) -> None:
     """Count what the tests of AREA see of changes to its code."""
     chosen = [one for one in drawn(ROOT, area, count, seed) if not only or str(one.number) in only.split(",")]
+    left = []
+    for change in chosen:
+        elsewhere = change.file.endswith("_windows.c") and sys.platform != "win32"
+        if reason := "not compiled on this machine" if elsewhere else equivalent(change):
+            _say(change, f"equivalent, {reason}:")
+        else:
+            left.append(change)
+    in_c = [] if tests else [change for change in left if change.file.endswith(".c")]
+    others = [change for change in left if change not in in_c]
+    unseen = 0
     with tempfile.TemporaryDirectory() as folder:
-        sys.exit(1 if _unseen(area, chosen, tests.split(), share, Path(folder), processes) else 0)
+        if others:
+            unseen += _unseen(area, others, tests.split(), share, Path(folder), processes)
+        if in_c:
+            root = Path(folder) / "c"
+            copy(root)
+            _with_objects(root, Path(folder))
+            unseen += mutants_of_c.unseen(
+                root, Path(folder) / "cc", [astuple(change) for change in in_c], AREAS[area][1]
+            )
+    equal = len(chosen) - len(left)
+    print(f"{area}: {len(left) - unseen} of {len(left)} changes seen, and {equal} that no test can see")
+    sys.exit(1 if unseen else 0)
+
+
+def _say(change: Change, end: str) -> None:
+    print(f"{change.number} {end} {change.file}:{change.line}: {change.words}", flush=True)
 
 
 def _unseen(
@@ -210,41 +234,29 @@ def _unseen(
                 shutil.copytree(ROOT / "out" / kept, root / "out" / kept)
         if any(change.file.endswith(".c") for change in chosen):
             _with_objects(root, folder)
-    kinds = _KINDS if share is None else _KINDS[:1]
     lines = None
-    groups = []
     if tests:
-        groups = [_Group("", tuple(tests), 600.0)]
-        _check(area, _run(root, groups[0]))
-    if any(change.file.endswith(".py") for change in chosen) and not tests:
-        lines = _lines(root, area, kinds)
-    if any(change.file.endswith(".c") for change in chosen) and not tests:
-        groups = [_timed(root, area, kind, share or 1.0) for kind in kinds]
+        _check(area, _run(root, tests, 600.0))
+    else:
+        lines = _lines(root, area, share is None)
 
-    def one(change: Change) -> str:
-        elsewhere = change.file.endswith("_windows.c") and sys.platform != "win32"
-        if reason := "not compiled on this machine" if elsewhere else equivalent(change):
-            end = f"equivalent, {reason}:"
-        else:
-            root = copies.get()
-            path = root / change.file
-            text = path.read_text("utf-8")
-            tried = groups if lines is None or path.suffix == ".c" else _covering(lines, root, change, text, share)
-            time = path.stat().st_mtime
-            path.write_text(change.text, "utf-8")
-            os.utime(path, (time, time + change.number))  # by which Python knows that what it compiled is old
-            end = "seen" if _is_seen(root, tried, path) else "NOT SEEN"
-            path.write_text(text, "utf-8")
-            os.utime(path, (time, time))
-            copies.put(root)
-        print(f"{change.number} {end} {change.file}:{change.line}: {change.words}", flush=True)
-        return end.partition(",")[0]
+    def one(change: Change) -> bool:
+        root = copies.get()
+        path = root / change.file
+        text = path.read_text("utf-8")
+        tried = [(tests, 600.0)] if lines is None else _covering(lines, root, change, text, share)
+        time = path.stat().st_mtime
+        path.write_text(change.text, "utf-8")
+        os.utime(path, (time, time + change.number))  # by which Python knows that what it compiled is old
+        seen = any(fails(root, some, limit) for some, limit in tried if some)
+        path.write_text(text, "utf-8")
+        os.utime(path, (time, time))
+        copies.put(root)
+        _say(change, "seen" if seen else "NOT SEEN")
+        return seen
 
     with ThreadPoolExecutor(processes) as pool:
-        ends = Counter(pool.map(one, chosen))
-    equal = ends["equivalent"]
-    print(f"{area}: {ends['seen']} of {len(chosen) - equal} changes seen, and {equal} that no test can see")
-    return ends["NOT SEEN"]
+        return sum(not seen for seen in pool.map(one, chosen))
 
 
 def _with_objects(root: Path, folder: Path) -> None:
@@ -254,32 +266,8 @@ def _with_objects(root: Path, folder: Path) -> None:
     kept, compiler = folder / "objects", folder / "cc"
     kept.mkdir(exist_ok=True)
     command = shlex.join([sys.executable, "-I", "-S", str(root / "tests" / "objects.py"), str(kept), "cc"])
-    compiler.write_text(f'#!/bin/sh\nexec {command} "$@"\n', "utf-8")
+    compiler.write_text(f'#!/bin/sh\nexec {command} "$@" $MORE_FLAGS\n', "utf-8")
     compiler.chmod(0o700)
-
-
-@dataclass(frozen=True)
-class _Group:
-    """Tests of one kind, or files of them, the quickest first, and a time, s, that they do not take."""
-
-    kind: str
-    files: tuple[str, ...]
-    limit: float
-
-
-def _timed(root: Path, area: str, kind: str, share: float) -> _Group:
-    """The files of tests of an area, in the order of the time that they take, those behind a share of it left out.
-
-    Raises ClickException where one fails.
-    """
-    begun = monotonic()
-    report = root / "times.xml"
-    end = _run(root, _Group(kind, AREAS[area][1], 3600.0), ("-n2", f"--junitxml={report}", "-o", "junit_family=xunit1"))
-    _check(area, end)
-    times: Counter[str] = Counter()
-    for case in ET.parse(report).getroot().iter("testcase"):  # pytest wrote it
-        times[case.attrib["file"]] += float(case.attrib["time"])
-    return _Group(kind, quickest(times, share), 60.0 + 4.0 * (monotonic() - begun))
 
 
 def _check(area: str, end: subprocess.CompletedProcess[str] | None) -> None:
@@ -289,7 +277,7 @@ def _check(area: str, end: subprocess.CompletedProcess[str] | None) -> None:
         raise click.ClickException(f"the tests of {area} fail without a change:\n{last}")
 
 
-def _lines(root: Path, area: str, kinds: Sequence[str]) -> covered.Lines:
+def _lines(root: Path, area: str, thorough: bool) -> covered.Lines:
     """Which of the area's tests run which lines of its Python, from one run."""
     folder, start = root / "covered", root / "sitecustomize.py"
     folder.mkdir()
@@ -297,10 +285,9 @@ def _lines(root: Path, area: str, kinds: Sequence[str]) -> covered.Lines:
     settings = folder / "settings.ini"
     settings.write_text(covered.SETTINGS.format(files=",".join(files), data=folder), "utf-8")
     start.write_text(covered.BEGIN, "utf-8")
-    more = ("-n2", "-p", "tests.covered", "--maxfail=1000")
-    kind = kinds[0] if len(kinds) == 1 else ""
+    more = ["-n2", "-p", "tests.covered", "--maxfail=1000", *([] if thorough else ["-m", "not thorough"])]
     measured = {"COVERAGE_PROCESS_START": str(settings), "COVERED": str(folder)}
-    end = _run(root, _Group(kind, AREAS[area][1], 3600.0), more, measured)
+    end = _run(root, AREAS[area][1], 3600.0, more, measured)
     start.unlink()
     if end is None or not (folder / "times").exists():
         raise click.ClickException(f"the tests of {area} do not run:\n{'' if end is None else end.stdout[-2000:]}")
@@ -309,8 +296,10 @@ def _lines(root: Path, area: str, kinds: Sequence[str]) -> covered.Lines:
     return lines
 
 
-def _covering(lines: covered.Lines, root: Path, change: Change, text: str, share: float | None) -> Iterator[_Group]:
-    """The tests that can see a change, in the order in which they are tried."""
+def _covering(
+    lines: covered.Lines, root: Path, change: Change, text: str, share: float | None
+) -> Iterator[tuple[list[str], float]]:
+    """The tests that can see a change, in the order in which they are tried, and a time, s, that they do not take."""
     near, other = lines.of(root / change.file, text, change.line)
     first, rest = within(near, lines.times, 3.0)
     if share is not None:
@@ -320,7 +309,7 @@ def _covering(lines: covered.Lines, root: Path, change: Change, text: str, share
         for test in tests:
             by_file.setdefault(test.partition("::")[0], []).append(test)
         limit = 60.0 + 4.0 * fsum(lines.times[test] for test in tests)
-        yield _Group("", tuple(chain.from_iterable(by_file.values())), limit)
+        yield list(chain.from_iterable(by_file.values())), limit
 
 
 def within(tests: Sequence[str], times: Mapping[str, float], most: float) -> tuple[list[str], list[str]]:
@@ -330,31 +319,31 @@ def within(tests: Sequence[str], times: Mapping[str, float], most: float) -> tup
     return list(tests[:count]), list(tests[count:])
 
 
-def quickest(times: Mapping[str, float], share: float) -> tuple[str, ...]:
-    """The files with the least times, in their order, that take no more than a share of the time of all."""
-    files = sorted(times, key=times.__getitem__)
-    most = share * fsum(times.values())  # exact, so that a share of 1 is all
-    return tuple(file for n, file in enumerate(files, 1) if fsum(times[each] for each in files[:n]) <= most)
+def fails(root: Path, tests: Sequence[str], limit: float) -> bool:
+    """Whether one of the tests fails, or does not end, or cannot be imported."""
+    end = _run(root, tests, limit)
+    files = list(dict.fromkeys(test.partition("::")[0] for test in tests))
+    if end is not None and end.returncode == _NOT_FOUND and not no_import(end.stdout) and files != list(tests):
+        return fails(root, files, 600.0)
+    return end is None or end.returncode == _FAILED or no_import(end.stdout)
 
 
-def _is_seen(root: Path, groups: Iterable[_Group], path: Path) -> bool:
-    for group in groups:
-        files = list(group.files)
-        if path.suffix == ".c":
-            files.sort(key=lambda file: (Path(file).stem != f"test_{path.stem}", "tests/native/" not in file))
-        end = _run(root, _Group(group.kind, tuple(files), group.limit)) if files else None
-        if files and (end is None or end.returncode not in _FINE):
-            return True
-    return False
+def no_import(said: str) -> bool:
+    """Whether pytest says that a file of tests cannot be imported."""
+    return any(each in said for each in _NO_IMPORT)
 
 
 def _run(
-    folder: Path, group: _Group, more: Sequence[str] = (), settings: Mapping[str, str] = MappingProxyType({})
+    folder: Path,
+    tests: Sequence[str],
+    limit: float,
+    more: Sequence[str] = (),
+    settings: Mapping[str, str] = MappingProxyType({}),
 ) -> subprocess.CompletedProcess[str] | None:
     """Runs tests in the copy, of which processes that they start import, too; None where they do not end."""
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-p", "no:randomly", *more]
-    command += [*(("-m", group.kind) if group.kind else ()), f"@{folder / 'tests.txt'}"]
-    (folder / "tests.txt").write_text("\n".join(group.files), "utf-8")
+    command += [f"@{folder / 'tests.txt'}"]
+    (folder / "tests.txt").write_text("\n".join(tests), "utf-8")
     compiler = folder.parent / "cc"
     run = subprocess.Popen(
         command,
@@ -366,7 +355,7 @@ def _run(
         start_new_session=True,
     )
     try:
-        said = run.communicate(timeout=group.limit)[0]
+        said = run.communicate(timeout=limit)[0]
         return subprocess.CompletedProcess(command, run.returncode, said)
     except subprocess.TimeoutExpired:
         os.killpg(run.pid, signal.SIGKILL)

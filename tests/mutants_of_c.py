@@ -1,9 +1,8 @@
-"""Mutants of an area in C, in a few seconds each: `python -m tests.mutants_of_c "allocator in C" --seed 1`.
+"""Changes of C, tried in a few seconds each: the part of `python -m tests.areas` that tries them.
 
-Draws the changes that tests/areas.py draws, and prints the same. One process
-imports the tests once. A fork of it runs each test alone, and gcov says which lines of C that executes. A fork for each
-change then runs the tests that execute its line, the quickest first, until one fails. A process that is ended tells
-gcov nothing: `python -m tests.areas` with `--only` tries a change with all tests.
+One process imports the tests once. A fork of it runs each test alone, and gcov says which lines of C that executes. A
+fork for each change then runs the tests that execute its line, the quickest first, until one fails. A process that is
+ended tells gcov nothing: "no test" behind a change says that none is known, and `--tests` tries it with those named.
 Tests: tests/test_areas.py.
 """
 
@@ -17,7 +16,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -27,71 +25,47 @@ from typing import Any
 import click
 import pytest
 
-from . import areas, mutants
-
 _ASKED = "MUTANTS_OF_C"
 _HERE = Path(__file__).parents[1]
 
 
-@click.command()
-@click.argument("area", type=click.Choice([area for area in areas.AREAS if area.endswith(" in C")]))
-@click.option("--count", default=15, show_default=True, help="How many changes.")
-@click.option("--seed", default=1, show_default=True, help="Draws them.")
-@click.option("--only", default="", metavar="N,N,...", help="Try these of them alone.")
-@click.option("--tests", default="", metavar="PATH PATH ...", help="Tests in the place of the area's.")
-def main(area: str, count: int, seed: int, only: str, tests: str) -> None:
-    """Count what the tests of AREA see of changes to its code."""
-    with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder) / "0"
-        mutants.copy(root)
-        areas._with_objects(root, Path(folder))
-        compiler = Path(folder) / "cc"
-        compiler.write_text(compiler.read_text("utf-8").replace('"$@"', '"$@" $MORE_FLAGS'), "utf-8")
-        asked = json.dumps({"area": area, "count": count, "seed": seed, "only": only.split(",") if only else []})
-        more = {"PYTHONPATH": str(root), "CC": str(compiler), _ASKED: asked, "OPENBLAS_NUM_THREADS": "1"}
-        command = [sys.executable, "-m", "pytest", "-q", "-s", "-p", "no:randomly", "-p", "no:cacheprovider"]
-        command += ["-p", "no:xdist", "-p", __spec__.name if __spec__ else "tests.mutants_of_c"]
-        command += tests.split() or areas.AREAS[area][1]
-        sys.exit(subprocess.run(command, cwd=root, env=os.environ | more, check=False).returncode)
+def unseen(root: Path, compiler: Path, chosen: Sequence[tuple[int, str, int, str, str]], tests: Sequence[str]) -> int:
+    """Tries changes (number, file, line, words, text) in a copy of the tree; returns how many no test saw."""
+    asked, answer = root / "changes.json", root / "unseen"
+    asked.write_text(json.dumps(chosen), "utf-8")
+    more = {"PYTHONPATH": str(root), "CC": str(compiler), _ASKED: str(asked), "OPENBLAS_NUM_THREADS": "1"}
+    command = [sys.executable, "-m", "pytest", "-q", "-s", "-p", "no:randomly", "-p", "no:cacheprovider"]
+    command += ["-p", "no:xdist", "-p", __name__, *tests]
+    subprocess.run(command, cwd=root, env=os.environ | more, check=False)
+    if not answer.exists():
+        raise click.ClickException("the tests do not run, or fail without a change")
+    return int(answer.read_text("utf-8"))
 
 
 def pytest_runtestloop(session: pytest.Session) -> bool | None:
     """Takes the place of the run of the tests."""
     if _ASKED not in os.environ:
         return None
-    asked = json.loads(os.environ[_ASKED])
-    chosen = [
-        one
-        for one in areas.drawn(_HERE, asked["area"], asked["count"], asked["seed"])
-        if not asked["only"] or str(one.number) in asked["only"]
-    ]
+    asked = Path(os.environ[_ASKED])
+    chosen = json.loads(asked.read_text("utf-8"))
     functions = {item.nodeid: [item] for item in session.items}
-    executed, times = _executed(session, functions, {change.file for change in chosen})
-    for kept in ("tests", "fmus"):
+    executed, times = _executed(session, functions, {file for _, file, *_ in chosen})
+    for kept in ("tests", "fmus"):  # compiled to say what is executed
         shutil.rmtree(_HERE / "out" / kept, ignore_errors=True)
     if not _passes(session, functions, {name: time for name, time in times.items() if time >= 0.0}):
         raise pytest.UsageError("the tests fail without a change")
-    ends: Counter[str] = Counter()
-    begun = monotonic()
-    for change in chosen:
-        elsewhere = change.file.endswith("_windows.c")
-        if reason := "not compiled on this machine" if elsewhere else areas.equivalent(change):
-            end = f"equivalent, {reason}:"
-        else:
-            these = sorted(executing(*executed[change.file], change.line), key=times.__getitem__)
-            path = _HERE / change.file
-            text = path.read_text("utf-8")
-            path.write_text(change.text, "utf-8")
-            seen = these and not _passes(session, functions, {name: times[name] for name in these})
-            end = "seen" if seen else "NOT SEEN"
-            path.write_text(text, "utf-8")
-            end += "" if these else " (no test)"
-        ends[end.partition(",")[0].removesuffix(" (no test)")] += 1
-        _say(f"{change.number} {end} {change.file}:{change.line}: {change.words}")
-    equal = ends["equivalent"]
-    _say(f"{asked['area']}: {ends['seen']} of {len(chosen) - equal} changes seen, and {equal} that no test can see")
-    _say(f"{(monotonic() - begun) / 60:.1f} minutes")
-    session.testsfailed = ends["NOT SEEN"]
+    lost = 0
+    for number, file, line, words, changed in chosen:
+        these = sorted(executing(*executed[file], line), key=times.__getitem__)
+        path = _HERE / file
+        text = path.read_text("utf-8")
+        path.write_text(changed, "utf-8")
+        seen = bool(these) and not _passes(session, functions, {name: times[name] for name in these})
+        path.write_text(text, "utf-8")
+        lost += not seen
+        end = "seen" if seen else "NOT SEEN" if these else "NOT SEEN, no test"
+        _say(f"{number} {end} {file}:{line}: {words}")
+    asked.with_name("unseen").write_text(str(lost), "utf-8")
     return True
 
 
@@ -190,7 +164,3 @@ def _passes(
 
 def _say(text: str) -> None:
     print(text, flush=True)
-
-
-if __name__ == "__main__":
-    main(prog_name="python -m tests.mutants_of_c")

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from . import covered, mutants_of_c, objects
-from .areas import AREAS, EQUIVALENT, ROOT, change_of, changes, drawn, quickest, within
+from .areas import AREAS, EQUIVALENT, ROOT, change_of, changes, drawn, fails, within
 
 
 def changed(tmp_path: Path, name: str, text: str) -> set[str]:
@@ -57,12 +57,6 @@ def test_a_seed_draws_the_same_changes_again_and_fewer_of_them_are_the_first_one
         assert differ == [change.line - 1]
 
 
-def test_all_tests_are_run_where_no_share_is_asked_for():
-    times = {f"test_{n}.py": 0.1 * (n % 7 + 1) / 3.0 for n in range(100)}
-    assert set(quickest(times, 1.0)) == set(times)
-    assert quickest({"a": 3.0, "b": 1.0, "c": 2.0}, 0.5) == ("b", "c")
-
-
 def test_the_quickest_tests_come_first_within_a_time_and_one_at_least():
     times = {"a": 1.0, "b": 2.0, "c": 4.0}
     assert within("abc", times, 3.5) == (["a", "b"], ["c"])
@@ -100,6 +94,28 @@ def test_a_line_is_tried_with_the_tests_that_run_it_also_in_processes_that_they_
     f, g = {"test_it.py::test_f[|]", "test_it.py::test_f[ (a)]"}, {"test_it.py::test_g"}
     for line, near, other in ((3, f, g), (4, f, g), (7, g, f), (6, f | g, set())):
         assert tuple(map(set, lines.of(file, code, line))) == (near, other)
+
+
+@pytest.mark.isolate
+@pytest.mark.parametrize(
+    ("code", "seen"),
+    [
+        ("N = 1", False),
+        ("N = 2", True),
+        ("import none_such", True),
+        ("N = 1; IDS = 'b'", False),
+        ("IDS = 'b'", True),
+    ],
+)
+def test_a_change_is_seen_by_a_test_that_fails_or_cannot_be_imported_not_by_one_that_has_another_name(
+    tmp_path, code, seen
+):
+    (tmp_path / "code_.py").write_text(f"N, ID = 3, 'a'\n{code}\n")
+    (tmp_path / "pytest.ini").write_text("[pytest]\npythonpath = .\n")
+    (tmp_path / "test_it.py").write_text(
+        "import pytest, code_\n@pytest.mark.parametrize('x', [1], ids=[code_.ID])\ndef test_n(x): assert code_.N == x\n"
+    )
+    assert fails(tmp_path, ["test_it.py::test_n[a]"], 60.0) is seen
 
 
 @pytest.mark.compile
