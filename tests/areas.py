@@ -32,6 +32,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import astuple, dataclass
+from functools import cache
 from itertools import accumulate, chain
 from math import fsum
 from pathlib import Path
@@ -53,7 +54,10 @@ _C = (
 )
 _PLANNER = "tests/controller/planned", "tests/native/test_planned.py"
 AREAS: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
-    "acceptance": (("orchestration/acceptance/**/*.py",), ("tests/orchestration/acceptance",)),
+    "acceptance": (("orchestration/acceptance/**/*.py",),
+                   ("tests/orchestration/acceptance", "tests/fmus/kit", "tests/orchestration/cli/test_failed_swap.py",
+                    "tests/orchestration/swap/test_inputs.py", "tests/orchestration/swap/test_own_claims.py",
+                    "tests/orchestration/swap/test_mapping.py", "tests/orchestration/telemetry/test_log.py")),
     "campaign": (("orchestration/campaign/**/*.py",), ("tests/orchestration/campaign",)),
     "link": (("fmus/link/**/*.py", "fmus/link/**/*.c"), ("tests/fmus/link",)),
     "packaging": (("hatch_build.py", "release/*.py", "fmus/fingerprint.py", "fmus/build.py"),
@@ -171,10 +175,11 @@ def drawn(root: Path, area: str, count: int, seed: int) -> Iterator[Change]:
     """Yields the changes that a seed draws in the code of an area, larger files more often."""
     draw = random.Random(seed)
     files = [path for pattern in AREAS[area][0] for path in sorted(root.glob(pattern)) if path.stem != "__init__"]
-    files = [path for path in files if any(changes(path))]
+    of = cache(lambda path: list(changes(path)))
+    files = [path for path in files if of(path)]
     for number in range(1, count + 1):
         path = draw.choices(files, [path.stat().st_size for path in files])[0]
-        yield change_of(root, path, number, *draw.choice(list(changes(path))))
+        yield change_of(root, path, number, *draw.choice(of(path)))
 
 
 @click.command()

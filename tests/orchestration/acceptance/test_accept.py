@@ -53,6 +53,8 @@ def test_a_right_fmu_is_accepted_and_the_page_says_what_was_and_was_not_tested(f
     for heading in ("Requirements", "Not tested", "Mapping", "Interface", "Open loop", "Closed loop"):
         assert f"<h2>{heading}</h2>" in page
     assert "times 9.5493" in page  # rad/s as rpm
+    assert "none stated" in page
+    assert not any("proposed" in text for text in data["not_tested"])
 
 
 def test_an_opposite_sign_is_named_and_not_accepted(folder: Path):
@@ -65,12 +67,23 @@ def test_an_opposite_sign_is_named_and_not_accepted(folder: Path):
     assert "by 200 % of ours" in one["text"]
 
 
+@pytest.mark.parametrize(("own_names", "mapping"), [(True, "proposed"), (False, "")])
+def test_a_mapping_is_proposed_where_none_is_given_and_it_does_not_fit_without(folder: Path, own_names, mapping):
+    vendor.write(folder, runnable=True, own_names=own_names)
+    accept()
+    data = json.loads(Path("out/acceptance.json").read_text("utf-8"))
+    assert data["mapping"] == mapping
+    assert bool(data["proposed"]) is own_names
+    assert any("proposed" in text for text in data["not_tested"]) is own_names
+
+
 def test_an_fmu_that_does_not_fit_is_not_flown(folder: Path):
     vendor.write(folder, ('<Real unit="mV"', '<Real unit="m"'))
     result, found = accept("--map", "mapping.yaml")
     assert result.exit_code == 1, result.output
     assert found["it fits the interface"]["status"] == "failed"
     assert found["the loop flies with it"]["status"] == ""
+    assert json.loads(Path("out/acceptance.json").read_text("utf-8"))["proposed"] == ""
 
 
 def test_what_is_wrong_in_the_scenario_is_not_said_of_the_fmu(folder: Path):

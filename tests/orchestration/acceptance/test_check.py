@@ -13,12 +13,15 @@ import pytest
 
 from fmus.contents.description import Capabilities, model_description
 from fmus.interface import load, parse
-from orchestration.acceptance.check import check
+from orchestration.acceptance.check import _blocks, check
+from orchestration.acceptance.facts import facts
+from orchestration.errors import InputError
 from orchestration.session.read import load as load_scenario
 from tests.commands import orchestrate
 from tests.machine import require_elf_tools
 
 from .. import fmus, vendor
+from ..wrong_inputs import SCENARIO
 
 pytestmark = pytest.mark.compile
 
@@ -68,6 +71,30 @@ def test_a_mapping_makes_it_fit_and_the_factors_are_told(here):
     assert "output voltage = command, a real scalar, V to mV: times 1000" in result.stdout
 
 
+def test_a_start_value_is_told_where_it_differs_from_ours_and_only_there(here):
+    """Of a speed that starts at 0, a gain at -1 and a flag that is true."""
+    assert findings(here / "regulator.fmu", topic="start") == []
+    for old, new in (('<Boolean start="true"/>', '<Boolean start="false"/>'), ('start="-1"', 'start="-1.00001"')):
+        vendor.write(here, (old, new), runnable=True, own_names=False)
+        assert len(findings(here / "vendor.fmu", topic="start")) == 1
+
+
+def test_the_facts_of_an_fmu_have_numbers_as_numbers_and_text_only_where_json_has_none(here):
+    vendor.write(here, ('start="-1"', 'start="-INF"'), own_names=False)
+    for path, start in ((here / "regulator.fmu", -1.0), (here / "vendor.fmu", "-inf")):
+        by_name = {v["name"]: v["start"] for v in facts(str(path), lenient=True)["variables"]}
+        assert (by_name["gain"], by_name["speed"], by_name["enabled"]) == (start, 0.0, True)
+
+
+def test_the_blocks_of_a_scenario_are_found_by_their_interface_or_their_name(here):
+    (here / "loop.yaml").write_text(SCENARIO, "utf-8")
+    loop = load_scenario("loop.yaml")
+    for as_ in ("regulator.fmu", "regulator"):
+        assert _blocks(loop, as_) == ["regulator"]
+    with pytest.raises(InputError, match="no block with the interface 'rotor'; its blocks are motor, regulator"):
+        _blocks(loop, "rotor")
+
+
 def test_json_says_the_same(here):
     vendor.write(here, runnable=True)
     result = orchestrate("check", "vendor.fmu", "--as", "regulator.fmu", "--json")
@@ -95,6 +122,14 @@ def test_a_binary_for_another_platform_only_is_told_with_those_that_there_are(he
     fmus.write(here / "vendor.fmu", fmus.description("regulator"), b"MZ", folder="win64")
     told = texts(findings(here / "vendor.fmu", topic="binary"))
     assert "none for this platform: expected binaries/linux64/probe.so, found binaries for win64" in told
+
+
+def test_the_other_platforms_of_a_library_are_told_beside_this_one(here):
+    path = here / "regulator.fmu"
+    assert texts(findings(path, topic="binary")).endswith(", this platform; no other")
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("binaries/other64/probe.so", b"")
+    assert ", this platform; also other64\n" in texts(findings(path, topic="binary"))
 
 
 def test_what_is_no_library_is_told(here):

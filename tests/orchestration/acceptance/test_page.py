@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from orchestration.acceptance import page as pages
+from orchestration.acceptance.accept import Acceptance
 from orchestration.acceptance.compare import Comparison
+from orchestration.acceptance.compare import _differences as differences
 from orchestration.acceptance.difference import Difference
 from orchestration.acceptance.playback import Played
+from orchestration.acceptance.polarity.mend import Mended
+from orchestration.acceptance.tolerances import Bound, both
 
 from ..results.browser import Tab, pixels
 from ..results.flown import flown
@@ -67,6 +72,26 @@ def test_it_says_what_became_of_each_output_and_expectation():
         "met stays below 2",
     ):
         assert text in words, text
+
+
+def test_a_wiring_that_is_named_fails_the_requirement_whether_or_not_the_loop_shows_it():
+    facts = {"platforms": [], "not_valid": [], "kind": "x"}
+    for behaves, met, status in (({"x": "sign"}, True, "failed"), ({}, True, "met"), ({}, False, "failed")):
+        comparison = compared()
+        comparison.mended = Mended("a", behaves, {}, 1.0, 0.0, None, True)
+        comparison.theirs.outcomes[:] = [replace(one, passed=met) for one in comparison.theirs.outcomes]
+        made = Acceptance(facts, "a", "swing", [], None, comparison=comparison)
+        assert {one.name: one.status for one in made.requirements}["no wrong wiring is found"] == status
+
+
+def test_what_theirs_lacks_does_not_hide_what_is_compared_after_it():
+    comparison = compared()
+    del comparison.played.outputs["x"]
+    ports = [v for v in comparison.ours.models["a"].of("output") if v.name in ("x", "y")]
+    bound = both(Bound(absolute=1e-6))
+    assert [v.name for v in ports] == ["x", "y"]
+    found = differences(comparison, ports, {"x": bound, "y": bound}, 1)
+    assert [(one.output, one.note, one.largest) for one in found] == [("x", "theirs lacks it", None), ("y", "", 0.0)]
 
 
 def test_no_text_of_a_scenario_becomes_html_or_script():

@@ -272,3 +272,38 @@ depends_on = ["att"]
     (tmp_path / "proposed.yaml").write_text(suggest(check(fmu, "controller")[1]), "utf-8")
     port = load(tmp_path / "proposed.yaml")[0].ports["R_NB"]
     assert (port.quaternion, bool(port.inverse)) == ("scalar last", inverse)
+
+
+def test_scalars_that_are_listed_in_another_order_stand_in_that_of_the_axes(tmp_path):
+    mixed = [f"gyros_{axis} rad/s" for axis in "zxy"]
+    text = suggest(check(team(tmp_path, *(f"mag_{axis} T" for axis in "xyz"), *mixed), "allocator")[1])
+    assert "  omega_B: [gyros_x, gyros_y, gyros_z]" in text
+
+
+def test_what_is_left_of_its_size_is_taken_though_its_words_tell_another_thing(tmp_path):
+    found = entry(tmp_path, "controller", "omega_B", ("q", "attitude"), ("a_1", "magnetic field"))
+    assert "theirs: a_1" in found
+    assert "# unsure: the only one left of its size and unit" in found
+
+
+def test_a_port_of_our_name_but_another_shape_is_not_taken_for_ours(tmp_path):
+    text = suggest(check(team(tmp_path, "b_B T", *(f"gyros_{axis} rad/s" for axis in "xyz")), "allocator")[1])
+    assert "# b_B: THEIRS  # not found" in text
+
+
+def test_of_two_alike_the_one_whose_description_shares_our_words_goes_before(tmp_path):
+    found = entry(tmp_path, "controller", "omega_B", ("w_1", "rate in the test stand"), ("w_2", "body rate, relative"))
+    assert found.startswith("  omega_B: w_2")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("body rate in inertial axes", "{theirs: w, turn: R_NB"),
+        ("body rate in body axes", "w "),
+        ("body rate in orbital axes", "w "),
+    ],
+)
+def test_a_vector_along_the_axes_of_a_rotation_s_other_side_is_turned_by_it(tmp_path, words, told):
+    found = entry(tmp_path, "controller", "omega_B", ("w", words), ("q", "attitude"))
+    assert found.startswith(f"  omega_B: {told}"), found

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -88,6 +89,22 @@ def test_axis_and_angle_are_those_of_the_rotation():
     R = np.array(rotation.about([0.6, 0.0, 0.8], math.radians(123.4))).reshape(3, 3)
     assert vendor_card.axis_and_angle(R) == "123.4 deg about (+0.600, +0.000, +0.800)"
     assert vendor_card.axis_and_angle(np.eye(3)) == "no turn"
+
+
+def test_axes_that_would_mirror_the_body_are_not_taken_for_its_axes():
+    ports = {"omega_B": {"theirs": "gyro", "matrix": np.diag([1.0, 1.0, -1.0]).tolist()}}
+    model = Model("vendor", {"gyro": Variable("gyro", "input", shape=(3,), unit=parse_unit("rad/s"))})
+    made = fit(reference("controller", Path.cwd()), model, Mapping.model_validate({"ports": ports}))
+    assert np.array_equal(vendor_card.body_axes(made), np.eye(3))
+    assert vendor_card.body_axes(theirs()) == pytest.approx(Z90)
+
+
+def test_the_picture_of_axes_looks_from_above_at_equal_angles():
+    """Three axes of equal length, z up, x to the left, y to the right and both towards the reader."""
+    drawn = str(card_page.triads(np.eye(3), np.eye(3)))
+    ends = np.array(re.findall(r'x1="60" y1="60" x2="([0-9.]+)" y2="([0-9.]+)"', drawn), float)[:3] - 60.0
+    assert np.linalg.norm(ends, axis=1) == pytest.approx([48.0 * math.sqrt(2.0 / 3.0)] * 3, abs=0.1)
+    assert np.degrees(np.arctan2(-ends[:, 1], ends[:, 0])) % 360 == pytest.approx([210.0, 330.0, 90.0], abs=0.2)
 
 
 def test_the_page_has_blanks_and_pictures_and_escapes_names():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from orchestration.acceptance.difference import difference
 from orchestration.acceptance.tolerances import tolerances
 from orchestration.acceptance.verdict import _cells, status
-from orchestration.acceptance.words import meanings, of_orbit, scalar_last
+from orchestration.acceptance.words import meanings, of_orbit, rotation_form, scalar_last
 from orchestration.fmu.model import Model, Variable
 from orchestration.quantities import parse_unit
 from tests.commands import orchestrate
@@ -33,6 +34,10 @@ def test_a_difference_of_rounding_is_zero_however_small_the_output_is():
     d = found([1e-20, 2e-20, 0.0], [0.2e-20, 2e-20, 0.0])
     assert (d.passed, status(d)) == (True, "ok")
     assert _cells(d)[1:4] == ("0", "0", "0")
+
+
+def test_no_difference_has_no_unit():
+    assert _cells(replace(found([1.0, 2.0, 3.0], [1.0, 2.0, 3.0]), zero=0.0))[2:4] == ("0", "0")
 
 
 @pytest.mark.parametrize(("nominal", "passed"), [(1.0, True), (1e-9, False)])
@@ -107,6 +112,20 @@ def test_the_verdict_says_what_was_compared_and_which_difference_is_wide(tmp_pat
 )
 def test_the_place_of_a_quaternion_s_scalar_is_read_from_names_and_words(names, text, last):
     assert scalar_last(tuple(names.split()), text) is last
+
+
+@pytest.mark.parametrize(
+    ("text", "form"),
+    [
+        ("euler angles 3-1-2", "euler ZXY"),
+        ("euler angles yxz", "euler YXZ"),
+        ("Euler angles, ZXZ", "euler ZXZ"),
+        ("euler angles, fixed axes zxy", "euler zxy"),
+        ("euler 112", ""),
+    ],
+)
+def test_a_sequence_of_angles_is_read_from_digits_and_letters(text, form):
+    assert rotation_form(text) == form
 
 
 def test_words_with_accents_and_of_other_languages_mean_the_same():

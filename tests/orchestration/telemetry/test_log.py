@@ -93,3 +93,20 @@ def test_a_log_that_begins_far_from_zero_is_refused_and_not_filled_up_from_there
     _, fitted = check(fmu, "controller", tolerance=None)
     with pytest.raises(InputError, match=r"log.yaml:2: .*at most 5000000 steps.*the first row, 1700000000 s"):
         against_log(fmu, fitted, "controller", tmp_path / "log.yaml", 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "found"),
+    [
+        ("unit: 'deg/s'", "unit: 'kg'", "3 values in 'kg'"),
+        ("omega_B0, omega_B1, omega_B2", "omega_B0, omega_B1", "2 val"),
+    ],
+)
+def test_a_port_with_another_unit_or_number_of_columns_is_refused(log, tmp_path, old, new, found):
+    (tmp_path / "log.csv").write_bytes((log.parent / "log.csv").read_bytes())
+    assert old in log.read_text("utf-8")
+    (tmp_path / "log.yaml").write_text(log.read_text("utf-8").replace(old, new), "utf-8")
+    fmu = ensure("controller")
+    _, fitted = check(fmu, "controller", tolerance=None)
+    with pytest.raises(InputError, match=f"expected 3 values in 'rad/s', found {found}"):
+        against_log(fmu, fitted, "controller", tmp_path / "log.yaml", 1e-9)
