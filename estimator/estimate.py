@@ -154,4 +154,4 @@ def _spread(
     push, lasts = (p.J_inverse, math.exp(-h / LASTS)) if lost else (NO_MATRIX, 1.0)
     bias_walk = math.sqrt(2.0 / LASTS) * disturbance_sigma(p) if lost else p.field_random_walk
     P, transition = propagated(x.P, turn, h, sign, F, walk, angle_walk, bias_walk, push, lasts)
-    return replace(x, P=P, S=lasting.spread(x.S, transition, x.omega_B if x.by_gyro else ZERO, p))
+    return replace(x, P=P, S=lasting.spread(x.S, transition, x.omega_B if x.by_gyro else ZERO, p, h))

@@ -14,7 +14,7 @@ import numpy as np
 
 from . import health
 from .health import ATTITUDE, CALM, FIELD, RATE, SUN, averaged, weighed
-from .lasting import without_rate
+from .lasting import DRIFT, without_rate
 from .parameters import Parameters
 from .rates import Torques
 from .so3 import Array, cross, norm
@@ -32,6 +32,8 @@ TORQUE_OFF = 1.0
 """s^(1/2); the momentum's random walk where the gyro has failed, over the torques of turning and rods."""
 LASTS, RADIAN = 6000.0, 1000.0
 """s for which the disturbance stays alike, an orbit; a radian of it."""
+MISLED, MISLED_MOST = 5.0, 0.2
+"""Offset that a magnetometer may have had before it is found: deviations of its noise, at most that of the field."""
 CONSISTENT = 3.0
 """Deviations of the gyro from the equations of motion."""
 
@@ -72,6 +74,16 @@ def backed(x: Estimate, sensor: int) -> bool:
     if sensor == FIELD:
         return x.field_calm >= CALM
     return sensor == ATTITUDE and max(norm(x.field_by_tracker), norm(x.sun_by_tracker)) < BACKED
+
+
+def suspected(x: Estimate, sensor: int, variance: float, p: Parameters) -> Estimate:
+    """Without a sensor. What an offset of a magnetometer may have made of the estimate meanwhile is added to P."""
+    w = x.watch[sensor]
+    if sensor == FIELD and not w.suspect and p.lasting_field > 0.0:
+        offset = min(MISLED * math.sqrt(variance), MISLED_MOST * norm(x.b_B))
+        made = offset / p.lasting_field * x.S[:, DRIFT]
+        x = replace(x, P=x.P + made @ made.T)
+    return x.watched(sensor, replace(w, suspect=True))
 
 
 def restarted(x: Estimate) -> Estimate:

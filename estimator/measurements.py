@@ -14,7 +14,7 @@ import numpy as np
 from . import health, lasting
 from .filter import ATTITUDE, BIAS, RATE, Innovation, corrected
 from .health import weighed
-from .isolation import backed, gyro_lost, restarted, start_sigmas
+from .isolation import backed, gyro_lost, restarted, start_sigmas, suspected
 from .parameters import Parameters
 from .so3 import Array, exp, hat, log, norm
 from .start import sine, triad
@@ -113,7 +113,7 @@ def _taken(x: Estimate, sensor: int, innovation: Innovation, p: Parameters) -> E
         in_a_row=np.where(this, in_a_row, x.in_a_row),
     )
     if (wrong or in_a_row == IN_A_ROW) and not (w.frozen or w.repeats):
-        x = restarted(x) if well else x.watched(SENSOR[sensor], replace(w, suspect=True))
+        x = restarted(x) if well else suspected(x, SENSOR[sensor], float(innovation.r[0]), p)
     if not (within and x.watch[SENSOR[sensor]].trusted and x.tracking):
         return x
     lost = gyro_lost(x, p)

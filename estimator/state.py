@@ -12,7 +12,7 @@ from .health import BLANK, CALM, SENSORS, Watch
 from .parameters import Parameters
 from .so3 import Array
 
-ZERO, NO_MATRIX, NO_LASTING = np.zeros(3), np.zeros((3, 3)), np.zeros((9, 24))
+ZERO, NO_MATRIX, NO_LASTING = np.zeros(3), np.zeros((3, 3)), np.zeros((9, 27))
 
 
 class Measured(NamedTuple):
@@ -56,7 +56,7 @@ class Estimate:
     field_bias: Array
     P: Array
     S: Array
-    """(9, 24): what each error that lasts makes of the error, beside P."""
+    """(9, 27): what each error that lasts makes of the error, beside P."""
     since_rate: float
     """s since the gyro's last measurement."""
     r_N: Array
@@ -174,7 +174,7 @@ def _packed(x: Estimate | Watch) -> Array:
     return np.concatenate(parts)
 
 
-_MATRICES: dict[str, tuple[int, ...]] = {"P": (9, 9), "R": (3, 3), "S": (9, 24)}
+_MATRICES: dict[str, tuple[int, ...]] = {"P": (9, 9), "R": (3, 3), "S": (9, 27)}
 _Kept = TypeVar("_Kept", Estimate, Watch)
 
 

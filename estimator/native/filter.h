@@ -13,13 +13,14 @@ typedef struct {
 } Covariance;
 
 enum {
-    LASTING = 24,
+    LASTING = 27,
     LASTING_OFFSET = 0,
     LASTING_SCALE = 3,
     LASTING_GYRO = 12,
     LASTING_SUN = 15,
     LASTING_TRACKER = 18,
-    LASTING_START = 21
+    LASTING_START = 21,
+    LASTING_DRIFT = 24 /* an offset of the field that has grown for minutes: of one that lasts the bias takes most */
 };
 
 /* Errors of the estimate for each error that lasts, at one standard deviation: lasting.c. */

@@ -10,6 +10,9 @@ static const double RATE_LOST = 1e-3;  /* rad/s; a rate's change over what the g
 static const double STALE = 10.0;      /* s; that time */
 static const double RADIAN = 1000.0;   /* s, of an orbit */
 
+/* Offset that a magnetometer may have had before it is found: deviations of its noise, at most that of the field. */
+static const double MISLED = 5.0, MISLED_MOST = 0.2;
+
 const int estimator_sensor_of[GATED] = {SENSOR_FIELD, SENSOR_SUN, SENSOR_ATTITUDE};
 
 static bool is_small(const double mean[3])
@@ -74,6 +77,23 @@ bool estimator_gyro_lost(const EstimatorLaw *law, const Estimate *x)
 double estimator_disturbance_sigma(const EstimatorLaw *law)
 {
     return law->p.momentum_random_walk / sqrt(RADIAN);
+}
+
+void estimator_suspect(const EstimatorLaw *law, int gated, double variance, Estimate *x)
+{
+    Watch *w = &x->watch[estimator_sensor_of[gated]];
+    if (gated == GATED_FIELD && !w->suspect && law->p.lasting_field > 0.0) {
+        const double offset = smaller(MISLED * sqrt(variance), MISLED_MOST * norm(x->b_B));
+        const double times = offset / law->p.lasting_field;
+        for (int i = 0; i < ERROR_STATES; ++i) {
+            for (int j = 0; j < ERROR_STATES; ++j) {
+                for (int k = LASTING_DRIFT; k < LASTING; ++k) {
+                    x->P.m[i][j] += times * times * x->S.m[i][k] * x->S.m[j][k];
+                }
+            }
+        }
+    }
+    w->suspect = true;
 }
 
 /* Three errors become independent of all others. */

@@ -6,6 +6,7 @@
 #include "state.h"
 
 static const double PI = 3.14159265358979323846;
+static const double GROWS = 600.0;             /* s, in which an offset that drifts grows by e */
 static const double SURE = 2.5758293035489004; /* a normal number is below it, in magnitude, with 99% */
 
 void estimator_lasting_begin(double off, Estimate *x)
@@ -16,7 +17,7 @@ void estimator_lasting_begin(double off, Estimate *x)
     }
 }
 
-static void spread(const EstimatorLaw *law, const Transition *t, Estimate *x)
+static void spread(const EstimatorLaw *law, const Transition *t, double left, Estimate *x)
 {
     double A[3][3], B[3][3], C[3][3], D[3][3], omega[3];
     store_matrix(t->attitude, A);
@@ -38,6 +39,11 @@ static void spread(const EstimatorLaw *law, const Transition *t, Estimate *x)
         }
         for (int i = ERROR_BIAS; by_torque && i < ERROR_STATES; ++i) {
             S[i][k] *= t->lasts;
+        }
+    }
+    for (int i = 0; i < ERROR_STATES; ++i) {
+        for (int k = LASTING_DRIFT; k < LASTING; ++k) {
+            S[i][k] *= left;
         }
     }
     for (int i = 0; i < 3; ++i) {
@@ -62,7 +68,7 @@ void estimator_spread(const EstimatorLaw *law, Vector turn, double sign, Matrix 
         walks.push = law->J_inverse;
         walks.lasts = exp(-h / ESTIMATOR_LASTS);
         const Transition transition = estimator_propagate(turn, h, sign, F, &walks, &x->P);
-        spread(law, &transition, x);
+        spread(law, &transition, exp(-h / GROWS), x);
     }
 }
 
@@ -81,7 +87,7 @@ static void additions(const EstimatorParameters *p, int gated, const double H[3]
                 G[i][LASTING_TRACKER + j] = p->lasting_attitude * H[i][j];
             }
         }
-        G[i][LASTING_OFFSET + i] = gated == GATED_FIELD ? p->lasting_field : 0.0;
+        G[i][LASTING_OFFSET + i] = G[i][LASTING_DRIFT + i] = gated == GATED_FIELD ? p->lasting_field : 0.0;
     }
 }
 
@@ -122,7 +128,7 @@ double estimator_bound(const EstimatorLaw *law, const Estimate *x, bool doubtful
     double square = 0.0;
     for (int i = ERROR_ATTITUDE; i < ERROR_ATTITUDE + 3; ++i) {
         square += x->P.m[i][i];
-        for (int k = 0; k < LASTING; ++k) {
+        for (int k = 0; k < LASTING_DRIFT; ++k) {
             square += x->S.m[i][k] * x->S.m[i][k];
         }
     }

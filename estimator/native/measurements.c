@@ -101,7 +101,7 @@ static void take(const EstimatorLaw *law, int sensor, const Innovation *innovati
         if (backed) {
             estimator_restart(x);
         } else {
-            w->suspect = true;
+            estimator_suspect(law, sensor, innovation->r.x, x);
         }
     }
     if (!within || !estimator_trusted(w) || !x->tracking) {

@@ -123,6 +123,10 @@ bool estimator_is_backed(int gated, const Estimate *x);
 /* The filter starts again: the last resort. Where it has done so just before, its gyro is wrong. */
 void estimator_restart(Estimate *x);
 
+/* A gated sensor is to be left out. What an offset of a magnetometer may have made of the estimate meanwhile, whose noise
+ * has so large a variance, T2, is added to the covariance. */
+void estimator_suspect(const EstimatorLaw *law, int gated, double variance, Estimate *x);
+
 /* s for which the disturbance stays alike: an orbit. */
 static const double ESTIMATOR_LASTS = 6000.0;
 

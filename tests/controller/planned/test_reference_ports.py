@@ -148,14 +148,14 @@ def test_far_from_the_rods_limits_the_rate_across_the_field_is_damped_by_L0(inpu
 
 
 @pytest.mark.parametrize("absent", [1e9, 0.0])
-def test_without_attitude_and_field_nothing_is_done_but_for_the_wheel(absent):
+def test_without_attitude_and_field_the_wheel_takes_up_the_turn_about_its_axis(absent):
     def blind(t):
-        return {**lost(tumbling)(t), "b_B": np.full(3, absent), "h_w": 0.004}
+        return {**lost(tumbling)(t), "b_B": np.full(3, absent), "h_w": 0.0, "omega_B": [-0.01, 0.02, 0.0]}
 
     with started(blind) as it:
         y = it.outputs()
     assert not np.any(y["dipole_ff"])
-    assert y["wheel_torque_ff"] < 0.0
+    assert y["wheel_torque_ff"] == pytest.approx(-2.13 * 0.01 / 10.0, rel=1e-6)
 
 
 def test_a_reference_that_goes_ends_the_plan_and_one_that_comes_begins_the_search_anew_each_time():
@@ -182,12 +182,12 @@ def test_an_attitude_that_is_lost_and_found_begins_the_plan_anew_each_time():
             assert y["phase"] in (1, 2)
 
 
-def bounded(bound, turns=0.0):
+def bounded(bound, turns=0.0, axis=(0.0, 0.0, 1.0), **others):
     """At the target, with a bound on the attitude's error, rad; in a turn, rad/s."""
 
     def inputs(t):
         u = at_target(t)
-        return {**u, "attitude_bound": bound, "omega_B": np.add(u["omega_B"], [0.0, 0.0, turns])}
+        return {**u, "attitude_bound": bound, "omega_B": np.add(u["omega_B"], np.multiply(turns, axis)), **others}
 
     return inputs
 
@@ -207,6 +207,21 @@ def test_rates_are_damped_each_time_the_satellite_turns_after_its_attitude_is_lo
             assert not np.any(run(it, t + 9.0, t + 10.0, inputs=bounded(0.55, 0.02))[-1]["dipole_ff"]), "it has grown"
             assert not np.any(run(it, t + 10.0, t + 11.0, inputs=poor)[-1]["dipole_ff"]), "until it is known again"
             assert run(it, t + 11.0, t + 20.0, inputs=good)[-1]["phase"] in (1, 2, 3)
+
+
+def test_where_the_attitude_is_doubted_the_wheel_takes_the_turn_about_its_axis_up_to_its_limit_and_keeps_what_it_has():
+    """Given to the body, the wheel's 30 mN m s turn it by 0.8 deg/s, and a wrong field may not damp that."""
+    J, period, most = 2.13, 10.0, 0.03
+    with started(bounded(0.5), **KNOWN) as it:
+        run(it, 0.0, 120.0, inputs=bounded(0.5))
+        for t, loaded, expected in (
+            (120.0, 0.0, J * 0.008 / period),
+            (130.0, most, 0.0),
+            (140.0, -most, J * 0.008 / period),
+        ):
+            y = run(it, t, t + 2.0, inputs=bounded(0.55, 0.008, (1.0, 0.0, 0.0), h_w=loaded))[-1]
+            assert (y["phase"], y["wheel_torque_ff"]) == (4, pytest.approx(expected, rel=0.05, abs=1e-6))
+            run(it, t + 2.0, t + 10.0, inputs=bounded(0.5))
 
 
 # ------------------------------------------------------------------------------------------- the reference to come

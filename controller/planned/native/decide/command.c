@@ -19,14 +19,28 @@ static void store_controls(const ControllerPlannedParameters *p, const double co
     y->wheel_torque_ff = p->wheel_torque_max * controls[3];
 }
 
-/* What rods under their controls and the wheel, which comes to rest, give: N m. */
-static Vector torque_of_rods(const Model *model, Vector Omega, double l, Vector B_B, double controls[CONTROLS])
+/* What rods and wheel give under their controls: N m. */
+static Vector torque_of_controls(const Model *model, Vector Omega, double l, Vector B_B,
+                                 const double controls[CONTROLS])
 {
-    const double torque_max = model->wheel_torque_max;
-    controls[3] = wheel_to_rest(model, l, PLAN_PERIOD * model->scales.time);
     Vector tau = cross(rods_dipole(model, controls), B_B);
     tau = subtract(tau, cross(Omega, momentum_of_wheels(model, l)));
-    return subtract(tau, scale(torque_max * controls[3], model->wheel_axis));
+    return subtract(tau, scale(model->wheel_torque_max * controls[3], model->wheel_axis));
+}
+
+/* The same, while the wheel comes to rest. */
+static Vector torque_of_rods(const Model *model, Vector Omega, double l, Vector B_B, double controls[CONTROLS])
+{
+    controls[3] = wheel_to_rest(model, l, PLAN_PERIOD * model->scales.time);
+    return torque_of_controls(model, Omega, l, B_B, controls);
+}
+
+/* The wheel's control that takes up the body's momentum along its axis, as far as it can hold that. */
+static double wheel_against(const Model *model, Vector omega, double l, double time)
+{
+    const double most = model->wheel_momentum_max;
+    const double wanted = clip(l + dot(model->wheel_axis, apply(model->J, omega)), -most, most);
+    return has_wheel(model) ? clip((wanted - l) / (time * model->wheel_torque_max), -1.0, 1.0) : 0.0;
 }
 
 /* Dipoles omega x B L/|B|^2, which give -L omega across the field, by their parts along the rods, each within its
@@ -41,15 +55,18 @@ static void damping_rods(const Model *model, double L, Vector omega, Vector B_B,
 }
 
 /* The outputs where there is no attitude to plan with, of the rate Omega, the wheel's momentum l and the field B_B,
- * zero where unknown: the rate is brought to Omega_ref where R_ref is a matrix of zeros, else to rest. */
+ * zero where unknown: the rate is brought to Omega_ref where R_ref is a matrix of zeros, else to rest. Where the field
+ * is `doubted`, the wheel does not give its momentum to a body that rods may not damp, but takes up what it can. */
 static void damp(const ControllerPlannedLaw *law, const ControllerPlannedInputs *u, const Model *model, Vector Omega,
-                 double l, Vector B_B, double controls[CONTROLS], ControllerPlannedOutputs *y)
+                 double l, Vector B_B, bool doubted, double controls[CONTROLS], ControllerPlannedOutputs *y)
 {
     const ControllerPlannedParameters *p = &law->p;
     const Matrix L = model->scales.L;
     const Vector omega = is_zero_matrix(matrix(u->R_ref)) ? subtract(Omega, vector(u->Omega_ref)) : Omega;
     damping_rods(model, (L.a.x + L.b.y + L.c.z) / 3.0, omega, B_B, controls);
-    store(torque_of_rods(model, Omega, l, B_B, controls), y->tau_cmd_B);
+    const double time = PLAN_PERIOD * model->scales.time;
+    controls[3] = doubted ? wheel_against(model, omega, l, time) : wheel_to_rest(model, l, time);
+    store(torque_of_controls(model, Omega, l, B_B, controls), y->tau_cmd_B);
     store((Vector){0.0, 0.0, 0.0}, y->dOmega_d);
     y->attitude_error = REFERENCE_NO_ATTITUDE;
     store(omega, y->rate_error_B);
@@ -121,7 +138,7 @@ ControllerPlannedOutputs controller_planned_without_attitude(const ControllerPla
     double controls[CONTROLS];
     store(B_B, y.b_used_B);
     store_estimates(x, &model, &now, &y);
-    damp(law, u, &model, now.Omega, now.l, B_B, controls, &y);
+    damp(law, u, &model, now.Omega, now.l, B_B, !measured, controls, &y);
     return y;
 }
 
@@ -138,7 +155,7 @@ void controller_planned_command(const ControllerPlannedLaw *law, const Controlle
     store(B_B, y->b_used_B);
     store_estimates(x, &model, now, y);
     if (x->phase == PHASE_DAMPING) {
-        damp(law, u, &model, now->Omega, now->l, x->drives ? (Vector){0.0, 0.0, 0.0} : B_B, controls, y);
+        damp(law, u, &model, now->Omega, now->l, x->drives ? (Vector){0.0, 0.0, 0.0} : B_B, x->doubted, controls, y);
         return;
     }
 
