@@ -306,6 +306,7 @@ def test_a_controller_that_reads_what_a_plant_gives_is_not_judged_as_one():
     made = accept(Path(fmu), "controller_wheels", None, read(path), "controller")
     assert made.passed
     assert not made.alone
+    assert {one.name: one.status for one in made.trials}["a saved state is restored whole"] == "met"
 
 
 # ---------------------------------------------------------------- an estimator

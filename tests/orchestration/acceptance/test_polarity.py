@@ -251,6 +251,7 @@ def test_the_test_card_has_the_signs_of_the_physics(paper):
     assert by["wheel_torque_cmd", "omega_B"].startswith("(-")
     assert by["omega_B[2]", "tau_cmd_B"].split(", ")[1].startswith("-")
     assert set(made.base) == {"plant", "controller", "allocator", "judge"}
+    assert {s.hold for s in made.steps} == {1.0}
 
 
 @pytest.mark.compile

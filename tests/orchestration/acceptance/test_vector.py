@@ -101,3 +101,14 @@ def test_a_vector_is_played_against_an_fmu_that_is_no_block_of_the_project(loop)
         told = orchestrate("check", "regulator.fmu", "--as", "regulator.fmu", "--vector", "v")
         assert (told.exit_code, told.stderr) == (status, ""), told.output
         assert ("voltage: differs by at most 0.1" in told.stdout) == bool(status)
+
+
+def test_an_output_that_theirs_lacks_hides_no_other_behind_it(here):  # noqa: F811
+    Path("map.yaml").write_text("ports: {}\nignore: [speed]\n")
+    Path("v").mkdir()
+    Path("v/parameters.csv").write_text("name,value\n")
+    for last, status in (("4", 0), ("5", 1)):
+        Path("v/vector.csv").write_text(VECTOR[: VECTOR.rindex("4")] + last + "\n")
+        told = orchestrate("check", "motor.fmu", "--as", "motor.fmu", "--map", "map.yaml", "--vector", "v")
+        assert told.exit_code == status, told.output
+        assert ("steps: as expected" in told.stdout) != bool(status)

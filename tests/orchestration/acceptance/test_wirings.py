@@ -5,18 +5,24 @@ from __future__ import annotations
 
 from itertools import pairwise
 from time import monotonic, sleep, thread_time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from orchestration.acceptance.polarity.bench import clock
+from orchestration.acceptance.polarity.fly import Loop
 from orchestration.acceptance.polarity.parameters import _least
 from orchestration.acceptance.polarity.ports import Port, kind_of
-from orchestration.acceptance.polarity.reasons import _peaks
+from orchestration.acceptance.polarity.reasons import Nominal, _peaks
+from orchestration.acceptance.polarity.trials import ports_of
 from orchestration.acceptance.polarity.wrongs import factors, wrongs
 from orchestration.fmu.model import Element, Variable
 from orchestration.quantities import parse_unit
+from orchestration.session.read import read
 from orchestration.system.wiring import Node
+
+from ..wrong_inputs import SCENARIO
 
 
 def port(kind: str, n: int, *positions: int, unit: str = "1") -> Port:
@@ -86,3 +92,30 @@ def test_a_search_counts_what_it_computes_and_a_tenth_of_what_passes():
     while thread_time() < computed + 0.1:
         pass
     assert clock() - begun >= 0.0999
+
+
+def test_a_change_is_a_share_of_what_is_largest_and_whole_where_there_was_nothing():
+    a, b = Node("a", Element("v", 0)), Node("a", Element("w", 0))
+    of = SimpleNamespace(values={a: np.array([0.0, 0.2, 0.0]), b: np.zeros(3)}, peaks={a: 0.2, b: 0.0})
+    assert Nominal._change(of, a, np.array([0.0, 0.3]), 2) == pytest.approx(0.5)
+    assert Nominal._change(of, b, np.array([0.0, 1e-9]), 2) == 1.0
+    assert Nominal._change(of, b, np.zeros(2), 2) == 0.0
+
+
+@pytest.mark.compile
+@pytest.mark.parametrize(
+    ("expectation", "low", "high"),
+    [
+        ("{name: a, signal: motor.speed, after: 0.7 s, always: {below: 30 rpm}}", 0.7, 0.7),
+        ("{name: a, signal: motor.speed, always: {below: 30 rpm}}", 0.5, 0.5),
+        ("{name: a, signal: motor.speed, before: 1.4 s, ever: {below: 1 rad/s}}", 1.4, 2.0),
+    ],
+)
+def test_a_wrong_sign_is_shown_as_soon_as_an_expectation_is_decided(loop, expectation, low, high):
+    """2 rad/s times 1.1^n is above 30 rpm, 3.14 rad/s, from n = 5 on."""
+    loop.write_text(f"{SCENARIO[: SCENARIO.index('expect:')]}isolation: none\nexpect: [{expectation}]\n")
+    flown = Loop(read(loop))
+    assert flown.fly()[0] is None
+    voltage = next(p for p in ports_of(flown) if p.name == "motor.voltage")
+    found, _ = flown.fly(voltage, next(w for w in wrongs(voltage) if w.name == "opposite sign"))
+    assert low - 1e-9 <= found.time <= high + 1e-9

@@ -36,6 +36,11 @@ def test_a_difference_of_rounding_is_zero_however_small_the_output_is():
     assert _cells(d)[1:4] == ("0", "0", "0")
 
 
+def test_a_difference_is_shown_with_its_share_where_ours_is_not_zero():
+    assert _cells(found([0.0, 1.0, 2.0], [0.0, 1.0, 3.0]))[2] == "1 N.m (0.5)"
+    assert _cells(found([0.0, 0.0, 0.0], [0.0, 0.1, 0.0]))[2] == "0.1 N.m"
+
+
 def test_no_difference_has_no_unit():
     assert _cells(replace(found([1.0, 2.0, 3.0], [1.0, 2.0, 3.0]), zero=0.0))[2:4] == ("0", "0")
 
