@@ -167,15 +167,17 @@ def test_scalars_of_roll_pitch_and_yaw_stand_for_the_axes_about_which_they_turn(
 
 
 def entry(folder: Path, block: str, port: str, *theirs: tuple[str, str]) -> str:
-    """The proposed line of a port for an FMU with these, name and description, in place of a controller's inputs or a
-    plant's outputs."""
-    kinds, kind = {"q": ("", 4), "w": ("rad/s", 3), "a": ("", 3), "p": ("km", 3)}, "input"
-    if block == "plant":
+    """The proposed line of a port for an FMU with these, name and description, in place of a controller's inputs, or of
+    the outputs of a plant or an allocator."""
+    kinds, kind = {"q": ("", 4), "w": ("rad/s", 3), "a": ("", 3), "p": ("km", 3), "t": ("N.m", 1)}, "input"
+    if block in ("plant", "allocator"):
         kind = "output"
     text = '[block]\nname = "team"\ndescription = "x"\n[experiment]\nstop = 1.0\nstep = 0.1\n'
     for name, description in theirs:
         unit, size = kinds[name[0]]
-        text += f'[variables.{name}]\ncausality = "{kind}"\nshape = [{size}]\nunit = "{unit}"\n'
+        text += (
+            f'[variables.{name}]\ncausality = "{kind}"\nunit = "{unit}"\n{f"shape = [{size}]" if size > 1 else ""}\n'
+        )
         text += f'description = "{description}"\n'
         text += f"start = {[0.0] * size}\n" if kind == "input" else "depends_on = []\ninitially_depends_on = []\n"
     fmu = fmus.write(folder / "team.fmu", generated(parse(text, "team.toml"))["modelDescription.xml"])
@@ -307,3 +309,17 @@ def test_of_two_alike_the_one_whose_description_shares_our_words_goes_before(tmp
 def test_a_vector_along_the_axes_of_a_rotation_s_other_side_is_turned_by_it(tmp_path, words, told):
     found = entry(tmp_path, "controller", "omega_B", ("w", words), ("q", "attitude"))
     assert found.startswith(f"  omega_B: {told}"), found
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("Torque on the rotor", "t "),
+        ("Torque on the body by the wheel's motor", "t "),
+        ("Torque on the body", "{theirs: t,"),
+    ],
+)
+def test_a_torque_on_the_wheel_s_other_side_has_the_opposite_sign(tmp_path, words, told):
+    found = entry(tmp_path, "allocator", "wheel_torque_cmd", ("t", words))
+    assert found.startswith(f"  wheel_torque_cmd: {told}"), found
+    assert ("scale: -1" in found) == ("theirs" in told)

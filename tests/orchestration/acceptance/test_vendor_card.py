@@ -19,13 +19,17 @@ from fmus.kit import linked
 from orchestration import rotation
 from orchestration.acceptance.polarity import card_page, vendor_card
 from orchestration.acceptance.polarity.card import Trial
+from orchestration.acceptance.polarity.mend import _mended
+from orchestration.acceptance.polarity.ports import Port
+from orchestration.acceptance.polarity.wrongs import Wrong
 from orchestration.cli.main import main
 from orchestration.fmu.interfaces import reference
-from orchestration.fmu.model import Model, Variable
+from orchestration.fmu.model import Element, Model, Variable
 from orchestration.quantities import parse_unit
-from orchestration.scenario.mapping import Mapping
+from orchestration.scenario.mapping import Mapping, PortMap
 from orchestration.swap.findings import Fit
 from orchestration.swap.fit import fit
+from orchestration.swap.named_values import handed_on
 
 from ...fmus.link import devices
 
@@ -143,3 +147,21 @@ def test_a_bench_plays_the_card_at_our_block_on_a_device(tmp_path: Path):
     wrong = play()
     assert wrong.returncode == 1
     assert f"WRONG {first['output']}" in wrong.stdout
+
+
+@pytest.mark.parametrize("to_rows", [True, False])
+def test_the_mapping_that_mends_other_axes_hands_over_what_theirs_then_reads_rightly(to_rows):
+    """A vector v of which theirs reads R^T v (or R v) is handed over as R v (or R^T v)."""
+    at = Port("controller", "omega_B", "input", (0, 1, 2), "vector", parse_unit("rad/s"), 3)
+    along = Wrong("along the other side", "frame", along=("R_NB", to_rows))
+    mended = _mended(PortMap.model_validate({"theirs": "gyro"}), at, along, 1.0)
+    ports = [
+        Variable("R", "input", shape=(3, 3), references=tuple(range(1, 10))),
+        Variable("gyro", "input", shape=(3,), references=(11, 12, 13), unit=parse_unit("rad/s")),
+    ]
+    mapping = Mapping.model_validate({"ports": {"R_NB": "R", "omega_B": mended}})
+    made = fit(reference("controller", Path.cwd()), Model("vendor", {p.name: p for p in ports}), mapping)
+    R, v = np.array(rotation.about([0.6, 0.0, 0.8], 1.1)).reshape(3, 3), np.array([0.1, -0.2, 0.3])
+    given = [(Element(n, i), float(x)) for n, a in (("R_NB", R.ravel()), ("omega_B", v)) for i, x in enumerate(a)]
+    handed = handed_on(made, given)
+    assert [handed[Element("gyro", i)] for i in range(3)] == pytest.approx((R if to_rows else R.T) @ v)

@@ -15,7 +15,7 @@ from orchestration.acceptance.polarity.fly import Loop
 from orchestration.acceptance.polarity.parameters import _least
 from orchestration.acceptance.polarity.ports import Port, kind_of
 from orchestration.acceptance.polarity.reasons import Nominal, _peaks
-from orchestration.acceptance.polarity.trials import ports_of
+from orchestration.acceptance.polarity.trials import ports_of, run
 from orchestration.acceptance.polarity.wrongs import factors, wrongs
 from orchestration.fmu.model import Element, Variable
 from orchestration.quantities import parse_unit
@@ -69,6 +69,8 @@ def test_units_that_differ_by_one_factor_are_one_wrong_wiring():
     assert all(b > 1.001 * a for a, b in pairwise(found))
     assert found[0] == pytest.approx(1e-3)
     assert found[-1] == pytest.approx(1e3)
+    made = factors(parse_unit("mN.m"), 1, rare=True)
+    assert {"given in N.m", "read in N.m"} <= {w.name for w in made}, "the usual unit is named, not the rare one"
 
 
 @pytest.mark.parametrize("best", [0.47, 1.02, 2.1])
@@ -119,3 +121,13 @@ def test_a_wrong_sign_is_shown_as_soon_as_an_expectation_is_decided(loop, expect
     voltage = next(p for p in ports_of(flown) if p.name == "motor.voltage")
     found, _ = flown.fly(voltage, next(w for w in wrongs(voltage) if w.name == "opposite sign"))
     assert low - 1e-9 <= found.time <= high + 1e-9
+
+
+@pytest.mark.compile
+def test_no_port_that_has_a_wrong_wiring_is_left_out(loop):
+    text = loop.read_text("utf-8").replace("connections:", "connections:\n  - motor.hot -> regulator.enabled")
+    loop.write_text(text, "utf-8")
+    found = ports_of(Loop(read(loop)))
+    made = run(read(loop), workers=1)
+    assert made.skipped == []
+    assert {row.port.name for row in made.rows} == {port.name for port in found}
