@@ -126,22 +126,25 @@ def _by_gyro(x: Estimate, measured: Array | None, p: Parameters, h: float) -> Es
 
 
 def _by_dynamics(x: Estimate, field_N: Array, given: Given, p: Parameters, h: float) -> Estimate:
-    """The same by the equations of motion; without an attitude there is nothing to go by."""
+    """The same by the equations of motion; without an attitude the rate follows wheels, rods and measured field where
+    a gyro has failed, which shows none."""
     wheel_B = given.wheel_torque_B
     if wheel_B is None:
         wheel_B = (given.momentum_B - x.momentum_B) / h if given.momentum_B is not None and h > 0.0 else ZERO
     after = x.momentum_B + h * wheel_B if given.momentum_B is None else given.momentum_B
-    if not (x.known and h > 0.0):
+    lost = gyro_lost(x, p)
+    if not ((x.known or lost) and h > 0.0):
         return replace(x, momentum_B=after)
     r = norm(x.r_N)
-    nadir = math.sqrt(3.0 * p.gravitational_parameter / (r * r * r)) / r * x.r_N
+    nadir = (math.sqrt(3.0 * p.gravitational_parameter / (r * r * r)) / r if x.known else 0.0) * x.r_N
+    R, field_N = (x.R, field_N) if x.known else (np.eye(3), x.b_B)
     torques = Torques(p.J_B, p.J_inverse, p.rod_axes.T @ given.dipole, field_N, nadir, wheel_B, x.disturbance_B)
     growth = torques.growth(x.omega_B, x.momentum_B)
-    R, turn, omega = turn_by_dynamics(x.R, x.omega_B, x.momentum_B, torques, h)
-    unknown = unknown_torque(x.omega_B, R, torques) if gyro_lost(x, p) else p.momentum_random_walk
+    R, turn, omega = turn_by_dynamics(R, x.omega_B, x.momentum_B, torques, h)
+    unknown = unknown_torque(x.omega_B, R, torques) if lost else p.momentum_random_walk
     walk = unknown * unknown * p.J_inverse @ p.J_inverse.T
     lasting_B = math.exp(-h / LASTS) * x.disturbance_B
-    x = replace(x, R=R, rate=omega + x.rate_bias, momentum_B=after, disturbance_B=lasting_B)
+    x = replace(x, R=R if x.known else x.R, rate=omega + x.rate_bias, momentum_B=after, disturbance_B=lasting_B)
     return _spread(x, turn, 1.0, growth, walk, 0.0, p, h)
 
 

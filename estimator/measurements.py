@@ -64,7 +64,7 @@ def started(
         R = triad(first[0], second[0], first[1], second[1], START_ANGLE)
         spread = START_FACTOR * (off + p.sun_noise) / sine(field_N, sun_N)
         lasts = (field + p.lasting_sun) / sine(field_N, sun_N)
-    elif x.anchored and b_B is not None:
+    elif x.anchored and x.by_gyro and b_B is not None:
         R = triad(b_B, x.anchor_B, field_N, x.anchor_N, ANCHOR_ANGLE)
         spread = ANCHOR_FACTOR * (2.0 * off + p.rate_bias_sigma * x.anchor_age) / sine(field_N, x.anchor_N)
         lasts = 2.0 * field / sine(field_N, x.anchor_N)

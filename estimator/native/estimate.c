@@ -59,6 +59,9 @@ static void forward_by_dynamics(const EstimatorLaw *law, const Given *given, Vec
     }
     x->momentum_B = given->has_h_w ? given->momentum_B : add(before, scale(h, wheel_B));
     if (!x->known || !(h > 0.0)) {
+        if (h > 0.0 && estimator_gyro_lost(law, x)) {
+            estimator_go_on_turning(law, given, wheel_B, before, h, x);
+        }
         return;
     }
     const double r = norm(x->r_N);

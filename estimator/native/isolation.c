@@ -2,6 +2,7 @@
  * Requirement: ES-4. Tests: tests/native/test_flavours.py. */
 #include <string.h>
 
+#include "rates.h"
 #include "state.h"
 
 static const double BACKED = 0.5;      /* averages of sensors against each other that agree */
@@ -72,6 +73,22 @@ void estimator_compare(const EstimatorLaw *law, const Directions *seen, Estimate
 bool estimator_gyro_lost(const EstimatorLaw *law, const Estimate *x)
 {
     return law->p.rate_source == ESTIMATOR_RATE_SOURCE_GYRO && !x->by_gyro;
+}
+
+void estimator_go_on_turning(const EstimatorLaw *law, const Given *given, Vector wheel_B, Vector momentum_B, double h,
+                             Estimate *x)
+{
+    const Torques torques = {
+        .J = law->J,
+        .J_inverse = law->J_inverse,
+        .dipole_B = apply_transposed(law->rod_axes, given->dipole),
+        .field_N = x->b_B,
+        .wheel_B = wheel_B,
+    };
+    Matrix R = identity;
+    Vector omega = subtract(x->rate, x->rate_bias);
+    (void)estimator_turn_by_dynamics(&torques, momentum_B, h, &R, &omega);
+    x->rate = add(omega, x->rate_bias);
 }
 
 double estimator_disturbance_sigma(const EstimatorLaw *law)

@@ -56,7 +56,7 @@ void estimator_begin(const EstimatorLaw *law, const Directions *seen, Estimate *
                                    : triad(seen->sun_B, seen->b_B, seen->sun_N, seen->field_N, START_SINE, &x->R);
         deviation = START_FACTOR * (off + p->sun_noise) / sine(seen->field_N, seen->sun_N);
         lasting = (field + p->lasting_sun) / sine(seen->field_N, seen->sun_N);
-    } else if (x->anchored && has_field) {
+    } else if (x->anchored && x->by_gyro && has_field) {
         begun = triad(seen->b_B, x->anchor_B, seen->field_N, x->anchor_N, ANCHOR_SINE, &x->R);
         deviation = ANCHOR_FACTOR * (2.0 * off + p->rate_bias_sigma * x->anchor_age) / sine(seen->field_N, x->anchor_N);
         lasting = 2.0 * field / sine(seen->field_N, x->anchor_N);

@@ -133,6 +133,10 @@ static const double ESTIMATOR_LASTS = 6000.0;
 /* Whether the filter goes without its gyro. It then estimates a disturbance in the place of the field's bias. */
 bool estimator_gyro_lost(const EstimatorLaw *law, const Estimate *x);
 
+/* Without gyro and attitude the rate goes on by wheels, of momentum_B at first, and rods in the last field. */
+void estimator_go_on_turning(const EstimatorLaw *law, const Given *given, Vector wheel_B, Vector momentum_B, double h,
+                             Estimate *x);
+
 /* N m, of that disturbance: the momentum's random walk over a radian of the orbit, by that time. */
 double estimator_disturbance_sigma(const EstimatorLaw *law);
 

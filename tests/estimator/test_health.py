@@ -19,7 +19,8 @@ from estimator.filter import propagated
 from estimator.health import BLANK, FROZEN, GOOD, INCONSISTENT, JUMPED, SUN, noticed
 from estimator.health import RATE as GYRO
 from estimator.isolation import restarted
-from estimator.state import blank
+from estimator.measurements import started
+from estimator.state import Measured, blank
 from plant.orbit import from_position_velocity
 from tests.blocks import inputs, parameters
 from tests.native.agreement import assert_same
@@ -122,6 +123,19 @@ def estimates(us: list[Any]) -> list[Any]:
     return ys
 
 
+def assert_both_alike(us: list[Any], ys: list[Any]) -> None:
+    """That the native flavour estimates as the Python one."""
+    with Instance("estimator") as native:
+        native.set_all(sensors())
+        native.set_all(us[0])
+        native.initialize()
+        for k, (u, y) in enumerate(zip(us[1:], ys, strict=True)):
+            native.set_all(u)
+            native.step(k * STEP, STEP)
+            if k % 20 == 0 or k > len(ys) - 3:
+                assert_same(native.outputs(), y, "estimator")
+
+
 def angle(y: Any, R: np.ndarray) -> float:
     return float(np.degrees(Rotation.from_matrix(y.R_NB.T @ R).magnitude()))
 
@@ -158,17 +172,7 @@ def test_sound_sensors_are_good_to_the_end(tracker: bool) -> None:
     "case", ["gyro frozen", "gyro with a bias of 0.3 deg/s", "GNSS 50 km off", "star tracker frozen"]
 )
 def test_both_flavours_fly_a_failure_alike(case: str) -> None:
-    us, p = flight(case), sensors()
-    ys = estimated(case)
-    with Instance("estimator") as native:
-        native.set_all(p)
-        native.set_all(us[0])
-        native.initialize()
-        for k, (u, y) in enumerate(zip(us[1:], ys, strict=True)):
-            native.set_all(u)
-            native.step(k * STEP, STEP)
-            if k % 20 == 0 or k > len(ys) - 3:
-                assert_same(native.outputs(), y, "estimator")
+    assert_both_alike(flight(case), estimated(case))
 
 
 @pytest.mark.parametrize(("frozen", "suspect"), [(False, True), (True, False)])
@@ -177,6 +181,30 @@ def test_a_sensor_that_was_held_against_a_wrong_gyro_is_used_for_the_next_attitu
     x = blank(np.zeros(3), sensors())
     x = x.watched(SUN, replace(x.watch[SUN], suspect=True)).watched(GYRO, replace(x.watch[GYRO], frozen=frozen))
     assert restarted(x).watch[SUN].suspect == suspect
+
+
+def test_a_gyro_that_fails_before_the_first_attitude_leaves_the_rate_to_momentum() -> None:
+    """The wheel takes up 0.2 mN m for 60 s about a principal axis; damped by what the gyro last said, a satellite was
+    spun up without end. Neither field nor Sun is measured."""
+    p, rng, torque = sensors(), np.random.default_rng(7), 2e-4
+    us = []
+    for k in range(240):
+        gyro = us[99].omega_B_measured if k >= 100 else np.array((0.01, 0.0, 0.0)) + 6e-5 * rng.normal(size=3)
+        dark = {"b_B_measured": np.zeros(3), "r_N_measured": R_N, "v_N_measured": V_N}
+        us.append(inputs("estimator", omega_B_measured=gyro, h_w=torque * STEP * max(k - 120, 0), **dark))
+    ys = estimates(us)
+    assert not np.any(ys[-1].R_NB)
+    expected = us[99].omega_B_measured[0] - torque * 59.5 / p.J_B[0][0]
+    assert ys[-1].omega_B[0] == pytest.approx(expected, abs=1e-6)
+    assert_both_alike(us, ys)
+
+
+@pytest.mark.parametrize("by_gyro", [True, False])
+def test_an_earlier_field_makes_an_attitude_only_while_a_gyro_turns_it_on(by_gyro: bool) -> None:
+    x, y = np.eye(3)[:2]
+    earlier = replace(blank(np.zeros(3), sensors()), anchored=True, anchor_B=x, anchor_N=x, by_gyro=by_gyro)
+    new = Measured(None, None, None, None, None, None)
+    assert started(earlier, new, None, y, x, y, 0.01, sensors()).tracking == by_gyro
 
 
 def test_a_coarse_quantum_is_no_failure() -> None:
