@@ -109,6 +109,14 @@ def test_what_is_no_covariance_is_refused(covariance):
         made(normal={"mean": [0.0, 0.0], "covariance": covariance})
 
 
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e4])
+def test_an_eigenvalue_below_zero_is_rounding_beside_the_largest_only(size):
+    root = samplers.root_of(size * np.diag([1.0, -1e-13]))
+    assert root @ root.T == pytest.approx(size * np.diag([1.0, 0.0]), abs=1e-12 * size)
+    with pytest.raises(ValueError, match="negative eigenvalue"):
+        samplers.root_of(size * np.diag([1.0, -1e-11]))
+
+
 def test_rotations_are_uniform_over_all_attitudes():
     q = np.array([samplers.Rotation().value(point) for point in POINTS])
     assert np.linalg.norm(q, axis=1) == pytest.approx(np.ones(len(q)), abs=1e-12)

@@ -21,6 +21,16 @@ def test_batches_grow_to_their_time_and_shrink_towards_the_end():
     assert sizes[-1] == 1
 
 
+@pytest.mark.parametrize("slots", [1, 2, 5])
+def test_what_is_left_is_enough_for_two_batches_of_each_that_flies(slots):
+    cut, left, shares = batches.Batches(np.arange(1000), None, slots), 1000, []
+    while (batch := cut.next()) is not None:
+        shares.append(len(batch.indices) / left if left > 100 else 0.0)
+        left -= len(batch.indices)
+        cut.took(len(batch.indices), 1e-9)
+    assert max(shares) == pytest.approx(1.0 / (2 * slots), rel=0.05)
+
+
 def test_what_is_to_be_checked_comes_first_each_run_once_and_is_left_until_then():
     cut = batches.Batches(np.arange(2), lambda indices: indices[:, None] / 10, slots=2)
     for index in (0, 1):

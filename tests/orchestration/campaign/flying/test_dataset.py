@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import pyarrow.parquet as pq
 import pytest
 
 from orchestration.campaign.flying.dataset import Dataset
-from orchestration.campaign.flying.job import FAILED, OK
+from orchestration.campaign.flying.job import FAILED, OK, differing
+from orchestration.errors import InputError
 
 KINDS = [("index", "int64"), ("status", "string"), ("reason", "string"), ("met: a", "bool")]
 
@@ -59,3 +61,28 @@ def test_parts_are_written_every_two_seconds_at_first_and_each_fiftieth_of_a_lon
         data.add([[index, OK, "", True]])
         written.append(len(list(data.folder.glob("*.parquet"))))
     assert written == [0, 1, 1, 2, 3, 3, 4]
+
+
+def test_rows_in_a_part_are_taken_back_beside_one_that_waits(data):
+    data.add([[0, OK, "", True], [1, OK, "", True]])
+    data.flush()
+    data.add([[2, OK, "", True]])
+    data.withdraw([0, 2])
+    data.flush()
+    there = [index for path in data.folder.glob("*.parquet") for index in pq.read_table(path)["index"].to_pylist()]
+    assert there == [1]
+
+
+def test_a_run_beyond_those_that_are_wanted_is_refused(data):
+    data.add([[5, OK, "", True]])
+    data.flush()
+    job, earlier = SimpleNamespace(columns=KINDS, requirements=[SimpleNamespace(name="a")]), {"files": data.files}
+    assert Dataset(data.folder.parent, job, 6, earlier).done.tolist() == [False] * 5 + [True]
+    with pytest.raises(InputError, match="holds 6 runs, more than the 5 that are wanted"):
+        Dataset(data.folder.parent, job, 5, earlier)
+
+
+def test_two_rows_of_a_run_differ_where_a_value_does_and_no_value_is_as_none_there():
+    columns, nan = ["index", "a", "b", "wall", "reason"], float("nan")
+    for other, told in (((2.0, nan), []), ((2.0, 1.0), ["b"]), ((nan, nan), ["a"]), ((3.0, 1.0), ["a", "b"])):
+        assert differing(columns, [7, 2.0, nan, 0.1, "x"], [7, *other, 0.2, "y"]) == told

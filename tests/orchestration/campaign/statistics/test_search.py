@@ -68,3 +68,9 @@ def test_no_run_is_left_where_the_last_batch_leaves_one():
     """Two fifths of 28 are spread, 11; after two batches of 8 the last is asked alone."""
     runs = Analytic(ackley, separate(2))
     assert search.run(Search(metric="y", runs=28), runs, 1)["runs"] == sum(map(len, runs.asked)) == 28
+
+
+def test_a_start_near_a_worse_one_is_left_out():
+    """Those of a normal distribution with a deviation of 0.1 of the side lie within four of them."""
+    points = np.array([[0.1, 0.1], [0.2, 0.45], [0.1, 0.55], [0.52, 0.5], [0.3, 0.6]])
+    assert search._apart(points).tolist() == [[0.1, 0.1], [0.1, 0.55], [0.52, 0.5]]

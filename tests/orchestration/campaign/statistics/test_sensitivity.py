@@ -53,6 +53,7 @@ def test_morris_keeps_clear_of_tails_without_end():
     runs = Analytic(lambda u: u[:, 0], separate(2), bounded=False)
     run(Sensitivity(method="morris", points=10), runs, 1)
     assert np.concatenate(runs.asked).min() == pytest.approx(0.00135)
+    assert np.concatenate(runs.asked).max() == pytest.approx(1.0 - 0.00135)
 
 
 @pytest.mark.parametrize("method", ["sobol", "morris"])
@@ -100,8 +101,20 @@ def test_rank_correlation_is_that_of_a_normal_pair_and_the_partial_one_sees_thro
     assert constant is None
 
 
+def test_the_bounds_of_a_rank_correlation_hold_it_as_often_as_they_say():
+    """Spearman's of a normal pair is 6/pi asin(r/2); 95% of 2000 draws lie within 2.5 of their deviations, 1.2%."""
+    rng = np.random.default_rng(5)
+    spearman, held = 6 / np.pi * np.arcsin(0.6 / 2), 0
+    for _ in range(2000):
+        cause, noise = rng.normal(size=(2, 40))
+        (found,) = ranks([cause], 0.6 * cause + 0.8 * noise)
+        held += found["low"] < spearman < found["high"]
+    assert held / 2000 == pytest.approx(0.95, abs=0.015)
+
+
 def test_rank_correlation_of_few_runs_or_of_a_constant_metric_is_none():
     assert ranks([np.arange(4.0)], np.arange(4.0)) == [None]
+    assert ranks([np.arange(5.0)], np.arange(5.0))[0]["rho"] == pytest.approx(1.0)
     assert ranks([np.arange(9.0)], np.ones(9)) == [None]
     assert ranks([np.arange(9.0)], np.arange(9.0))[0]["rho"] == pytest.approx(1.0)
 
