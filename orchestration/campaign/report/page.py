@@ -151,7 +151,7 @@ def _against(runs: Rows, metrics: list[Metric], made: Page) -> list[Markup]:
     folds: list[Markup] = []
     left = _PLOTS
     for metric, strong in zip(metrics, strengths, strict=True):
-        order = sorted(units, key=lambda name: -abs(strong.get(name, 0.0)))[: max(left, 0)]
+        order = sorted(units, key=lambda name: -abs(strong.get(name, 0.0)))[:left]
         left -= len(order)
         drawn = []
         for name in order:
@@ -165,7 +165,7 @@ def _against(runs: Rows, metrics: list[Metric], made: Page) -> list[Markup]:
         folds.append(
             piece("scatter_metric").format(metric=metric.name, text=metric.text, plots=joined(drawn), open=opened)
         )
-    if left < 0:
+    if len(metrics) * len(units) > _PLOTS:
         few += f" Only the first {_PLOTS} plots are drawn."
     return [
         part("ranks", tables, basis=f"From the first {RANKED:,} runs." if len(runs) > RANKED else ""),
