@@ -69,6 +69,14 @@ figures: [{name: speed, panels: [{signals: [motor.speed]}]}]
         fly(toy, runs=3)
 
 
+def test_how_sure_a_requirement_has_to_be_decides_no_row_and_its_bound_does(toy):
+    before = read_campaign(toy).parts
+    changed(toy, ("probability: 0.3", "probability: 0.4, confidence: 0.9"))
+    assert read_campaign(toy).parts == before
+    changed(toy, ("below: 0.2 rad/s", "below: 0.3 rad/s"))
+    assert {name for name, part in read_campaign(toy).parts.items() if part != before[name]} == {"requirements"}
+
+
 def test_time_and_begin_of_an_earlier_start_count_too(toy):
     fly(toy, runs=5)
     record = {**sums.read(Path("out")), "wall_time": 1000.0, "started": "2020-01-01T00:00:00+00:00"}

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from orchestration.campaign.case import read_campaign
+from orchestration.campaign.drawing.draws import _base_unit
 from orchestration.errors import InputError
+from orchestration.fmu.model import Variable
+from orchestration.quantities import parse_unit
 
 from ..toy import changed, fly, rows
 
@@ -56,3 +59,21 @@ def test_a_column_is_in_the_unit_that_was_written_or_in_that_of_the_port_that_ta
         "motor.speed0": "rad/s",
         "motor.inertia": "kg.m2",
     }
+
+
+def test_what_an_expression_gives_to_a_vector_has_a_column_for_each_element(toy):
+    changed(toy, ("vary:", 'draw:\n  k: {uniform: [1, 2]}\nvary:\n  motor.axis: {expression: "[k, 0, 2 * k]"}'))
+    (draw,) = (one for one in read_campaign(toy).job.draws.draws if one.name == "motor.axis")
+    assert draw.columns == ("motor.axis[1]", "motor.axis[2]", "motor.axis[3]")
+    fly(toy, runs=3)
+    for row in rows():
+        assert [row[column] for column in draw.columns] == [row["k"], 0.0, 2.0 * row["k"]]
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("deg/s", np.pi / 180.0), ("rpm", np.pi / 30.0), ("mN.m", 1e-3)])
+def test_the_base_unit_of_a_port_is_its_own_without_a_factor(unit, factor):
+    own = parse_unit(unit)
+    base = _base_unit(Variable("x", "parameter", unit=own))
+    assert base.conversion(own) == pytest.approx((1.0 / factor, 0.0))
+    for plain in (None, Variable("x", "parameter"), Variable("x", "parameter", unit=parse_unit("rad/s"))):
+        assert _base_unit(plain) is None

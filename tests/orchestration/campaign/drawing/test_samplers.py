@@ -117,6 +117,23 @@ def test_an_eigenvalue_below_zero_is_rounding_beside_the_largest_only(size):
         samplers.root_of(size * np.diag([1.0, -1e-11]))
 
 
+@pytest.mark.parametrize(
+    ("entry", "finite"),
+    [
+        ({"uniform": [1.0, 2.0]}, True),
+        ({"normal": {"mean": 0.0, "deviation": 1.0}}, False),
+        ({"normal": {"mean": [0.0, 0.0], "covariance": [[1.0, 0.0], [0.0, 1.0]]}}, False),
+        ({"lognormal": {"median": 1.0, "sigma": 0.5}}, False),
+        ({"choice": [1, 2]}, True),
+    ],
+)
+def test_a_distribution_without_end_says_so(entry, finite):
+    one = made(**entry)
+    assert set(one.bounded) == {finite}
+    near, nearer = (np.abs(one.value([1.0 - 10.0**-digits] * one.count)).max() for digits in (6, 12))
+    assert (nearer < 1.001 * near) == finite
+
+
 def test_rotations_are_uniform_over_all_attitudes():
     q = np.array([samplers.Rotation().value(point) for point in POINTS])
     assert np.linalg.norm(q, axis=1) == pytest.approx(np.ones(len(q)), abs=1e-12)
