@@ -1,0 +1,97 @@
+"""Values, factors and times of an SSP archive as a scenario has them, each by itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from orchestration.errors import InputError
+from orchestration.export.changes import start_of
+from orchestration.fmu.model import Element, Variable
+from orchestration.quantities import parse_unit
+from orchestration.ssp.reader import _changed, _check_transformation, _times, start_value
+from orchestration.ssp.structure import Given
+from orchestration.system.wiring import Node
+
+SPEED = Variable("speed", "parameter", unit=parse_unit("rad/s"))
+MODE = Variable("mode", "parameter", type="enumeration", items=(("normal", 1), ("brake", 2)))
+
+
+@pytest.mark.parametrize(
+    ("given", "variable", "value"),
+    [
+        (Given("Boolean", "true"), Variable("x", "input", type="boolean"), True),
+        (Given("Boolean", "1"), Variable("x", "input", type="boolean"), True),
+        (Given("Boolean", "false"), Variable("x", "input", type="boolean"), False),
+        (Given("Boolean", "0"), Variable("x", "input", type="boolean"), False),
+        (Given("Integer", "2"), MODE, "brake"),
+        (Given("Real", "1.0"), MODE, "normal"),
+        (Given("Enumeration", "brake"), MODE, "brake"),
+        (Given("Integer", "-7"), Variable("x", "parameter", type="integer"), -7),
+        (Given("Real", "2.5"), SPEED, 2.5),
+        (Given("Real", "60", parse_unit("rpm")), SPEED, 6.283185307179586),
+        (Given("Real", "2", parse_unit("V")), Variable("x", "parameter"), 2.0),
+        (Given("String", "a b"), Variable("x", "parameter", type="string"), "a b"),
+    ],
+)
+def test_a_value_of_a_parameter_set_has_the_type_and_the_unit_of_its_variable(given, variable, value):
+    found = start_value(given, variable)
+    assert found == pytest.approx(value) if isinstance(value, float) else found == value
+    assert type(found) is type(value)
+
+
+@pytest.mark.parametrize(
+    ("source", "target", "asked", "suppressed", "fits"),
+    [
+        ("V", "mV", (1.0, 0.0), False, True),  # units do it
+        ("V", "mV", (1000.0, 0.0), True, True),
+        ("V", "mV", (1.0, 0.0), True, False),
+        ("V", "mV", (0.001, 0.0), True, False),
+        ("V", "V", (1.0, 0.0), True, True),
+        ("degC", "K", (1.0, 273.15), True, True),
+        ("degC", "K", (1.0, 273.15 + 1e-6), True, False),
+        (None, "V", (1.0, 0.0), True, True),
+        ("V", None, (1.0, 0.0), False, True),
+        (None, None, (1.0, 0.0), True, True),
+        (None, "V", (2.0, 0.0), False, False),
+        (None, None, (1.0, 1.0), True, False),
+    ],
+)
+def test_a_transformation_of_a_connection_is_that_of_its_units_or_none(source, target, asked, suppressed, fits):
+    ends = (Variable("x", "output", unit=unit and parse_unit(unit)) for unit in (source, target))
+    try:
+        _check_transformation(Path("a.ssp"), "a.x -> b.x", *ends, asked, suppressed)
+        refused = False
+    except InputError:
+        refused = True
+    assert refused is not fits
+
+
+@pytest.mark.parametrize(
+    ("stated", "annotated", "changed"),
+    [(2.0, "2 s", False), (2.0, 2.0, False), (3.0, "2 s", True), (120.0, "2 min", False), (None, "2 s", False),
+     (2.0, None, False), (2.0, "3 orbits", False), (0.0, "2 s", True)],
+)  # fmt: skip
+def test_a_duration_is_changed_where_the_archive_has_another_than_its_annotation(stated, annotated, changed):
+    assert _changed(stated, annotated) is changed
+
+
+def test_an_archive_lasts_from_its_start_to_its_stop_and_else_as_long_as_its_longest_fmu():
+    fmus = [
+        SimpleNamespace(description=SimpleNamespace(defaultExperiment=SimpleNamespace(stepSize=step, stopTime=stop)))
+        for step, stop in (("0.5", "4"), ("0.1", "9"), (None, None))
+    ]
+    fmus.append(SimpleNamespace(description=SimpleNamespace(defaultExperiment=None)))
+    assert _times(None, fmus) == {"step": 0.1, "duration": 9.0}
+    assert _times({"startTime": "3", "stopTime": "4.5"}, fmus) == {"step": 0.1, "duration": 1.5}
+    assert _times(None, fmus[2:]) == {}
+
+
+def test_an_element_starts_with_the_scenario_s_value_or_else_that_of_its_fmu():
+    speed, mode, other = (Element(name, 0) for name in ("speed", "mode", "other"))
+    plan = SimpleNamespace(starts={"a": [SimpleNamespace(element=speed, value=2.0)]})
+    start = start_of(plan, {"a": {speed: 1.0, mode: "brake"}, "b": {speed: True}})
+    assert [start(Node("a", e)) for e in (speed, mode, other)] == [2.0, 0.0, 0.0]
+    assert start(Node("b", speed)) == 1.0
