@@ -60,9 +60,9 @@ def test_a_value_of_a_parameter_set_has_the_type_and_the_unit_of_its_variable(gi
     ],
 )
 def test_a_transformation_of_a_connection_is_that_of_its_units_or_none(source, target, asked, suppressed, fits):
-    ends = (Variable("x", "output", unit=unit and parse_unit(unit)) for unit in (source, target))
+    a, b = (Variable("x", "output", unit=unit and parse_unit(unit)) for unit in (source, target))
     try:
-        _check_transformation(Path("a.ssp"), "a.x -> b.x", *ends, asked, suppressed)
+        _check_transformation(Path("a.ssp"), "a.x -> b.x", a, b, asked, suppressed)
         refused = False
     except InputError:
         refused = True

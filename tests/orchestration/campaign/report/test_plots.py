@@ -44,6 +44,19 @@ def test_both_bounds_of_a_share_have_its_colour():
     assert {curve["colour"] for curve in shown["curves"]} == {0}
 
 
+@pytest.mark.parametrize("items", [None, ["quiet", "mean", "storm"]])
+def test_numbers_stand_at_their_place_and_texts_are_spread_beside_theirs(items):
+    x, rows = np.array([2.0, 0.0, 1.0, 1.0]), np.array([0, 1, 3, 4])
+    metric = plots.Metric("m", "", "", np.array([5.0, 3.0, 99.0, 4.0, 6.0]))
+    shown = plots.scatter(metric, rows, x, "density", items, np.arange(10, 15), ARRAYS)
+    assert shown["runs"].tolist() in ([11, 13, 14, 10], [11, 14, 13, 10])
+    off = np.abs(shown["x"] - np.sort(x))
+    assert off.max() == 0.0 if items is None else 0.0 < off.min() <= off.max() < 0.25
+    low, high = shown["range"]
+    assert low < shown["x"].min() and shown["x"].max() < high
+    assert high - low == pytest.approx(np.ptp(shown["x"]) + (0.08 if items is None else 0.4))
+
+
 def test_an_effect_is_a_bar_with_its_error_on_both_sides():
     numbers = re.findall(r"[\d.]+(?=%)", str(_effect({"effect": [5.0], "effect_error": [1.0]}, 0, 10.0)))
     assert {"50.0", "40.0", "20.0"} <= set(numbers)
