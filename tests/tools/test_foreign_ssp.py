@@ -234,23 +234,6 @@ def test_an_input_that_nothing_feeds_keeps_the_fmu_s_start(loop: Path) -> None:
     assert orchestration.run("foreign.ssp", {"step": 0.1}).scenario.blocks["control_regulator"].start["enabled"] is True
 
 
-def test_a_value_of_an_input_counts_where_nothing_feeds_it_and_a_fed_one_takes_what_comes(loop: Path) -> None:
-    given = _value("control.regulator.enabled", "Boolean", "false") + _value("control.regulator.speed", "Real", 7)
-    foreign(values=given, top=EXPERIMENT)
-    start = load("foreign.ssp", {"step": 0.1}).blocks["control_regulator"].start
-    assert start["enabled"] is False
-    assert "speed" not in start
-
-
-def test_an_input_whose_connection_begins_at_nothing_is_as_one_without(loop: Path) -> None:
-    outer = _connection("motor 1.speed", "control.seen", "%s")
-    assert outer in _SYSTEM
-    foreign(system=_SYSTEM.replace(outer, "%s"), top=EXPERIMENT)
-    scenario = load("foreign.ssp", {"step": 0.1})
-    assert scenario.blocks["control_regulator"].start["speed"] == 0.0
-    assert [str(c) for c in scenario.connections] == ["control_regulator.voltage -> motor_1.voltage"]
-
-
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [

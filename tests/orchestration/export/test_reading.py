@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from orchestration import load
 from orchestration.errors import InputError
 from orchestration.export.changes import start_of
 from orchestration.fmu.model import Element, Variable
@@ -14,6 +15,7 @@ from orchestration.quantities import parse_unit
 from orchestration.ssp.reader import _changed, _check_transformation, _times, start_value
 from orchestration.ssp.structure import Given
 from orchestration.system.wiring import Node
+from tests.tools.test_foreign_ssp import _SYSTEM, EXPERIMENT, _connection, _value, foreign
 
 SPEED = Variable("speed", "parameter", unit=parse_unit("rad/s"))
 MODE = Variable("mode", "parameter", type="enumeration", items=(("normal", 1), ("brake", 2)))
@@ -95,3 +97,22 @@ def test_an_element_starts_with_the_scenario_s_value_or_else_that_of_its_fmu():
     start = start_of(plan, {"a": {speed: 1.0, mode: "brake"}, "b": {speed: True}})
     assert [start(Node("a", e)) for e in (speed, mode, other)] == [2.0, 0.0, 0.0]
     assert start(Node("b", speed)) == 1.0
+
+
+@pytest.mark.compile
+def test_a_value_of_an_input_counts_where_nothing_feeds_it_and_a_fed_one_takes_what_comes(loop: Path) -> None:
+    given = _value("control.regulator.enabled", "Boolean", "false") + _value("control.regulator.speed", "Real", 7)
+    foreign(values=given, top=EXPERIMENT)
+    start = load("foreign.ssp", {"step": 0.1}).blocks["control_regulator"].start
+    assert start["enabled"] is False
+    assert "speed" not in start
+
+
+@pytest.mark.compile
+def test_an_input_whose_connection_begins_at_nothing_is_as_one_without(loop: Path) -> None:
+    outer = _connection("motor 1.speed", "control.seen", "%s")
+    assert outer in _SYSTEM
+    foreign(system=_SYSTEM.replace(outer, "%s"), top=EXPERIMENT)
+    scenario = load("foreign.ssp", {"step": 0.1})
+    assert scenario.blocks["control_regulator"].start["speed"] == 0.0
+    assert [str(c) for c in scenario.connections] == ["control_regulator.voltage -> motor_1.voltage"]
