@@ -5,11 +5,15 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from orchestration.campaign import engine, sums
 from orchestration.campaign.case import read_campaign
+from orchestration.campaign.record import manifest
+from orchestration.campaign.statistics.verdicts import Announced
 from orchestration.errors import InputError
 
 from .toy import changed, fly
@@ -102,3 +106,20 @@ def test_an_interrupted_campaign_counts_no_run_behind_the_first_that_is_missing(
     stopped = engine.fly(read_campaign(toy, {"runs": 10}), Path("out"), workers=0, tell=tell)
     assert 5 < stopped.flown < 10
     assert f" of {stopped.flown - 5} runs " in stopped.verdicts[0].text
+
+
+def test_the_manifest_says_by_what_a_requirement_is_met_and_when_the_campaign_was_over(toy):
+    fly(toy, runs=3)
+    left = json.loads((toy.parent / "out/campaign.json").read_text("utf-8"))
+    assert [(one["name"], one["metric"]) for one in left["requirements"]] == [("at rest", "final")]
+    assert left["started"] <= left["finished"]
+    assert 0.0 < left["wall_time"] < 60.0
+    case, data = read_campaign(toy, {"runs": 3}), SimpleNamespace(files={}, withdrawn=[])
+    data.done = data.failed = np.zeros(3, bool)
+    first = manifest(case, "running", data, [], 5.0, {}, Announced(3, False))
+    assert (first["finished"], first["wall_time"]) == (None, 0.0)
+    again = manifest(case, "running", data, [], 5.0, {"wall_time": 7.0, "started": "then"}, Announced(3, False))
+    assert (again["finished"], again["wall_time"], again["started"]) == (None, 7.0, "then")
+    over = manifest(case, "completed", data, [], 5.0, {"wall_time": 7.0}, Announced(3, False))
+    assert over["wall_time"] == 12.0
+    assert over["finished"] is not None

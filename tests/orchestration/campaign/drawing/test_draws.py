@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from orchestration.campaign.case import read_campaign
-from orchestration.campaign.drawing.draws import _base_unit
+from orchestration.campaign.drawing.draws import _base_unit, _target
 from orchestration.errors import InputError
 from orchestration.fmu.model import Variable
 from orchestration.quantities import parse_unit
+from orchestration.scenario.source import StartName
 
 from ..toy import changed, fly, rows
 
@@ -77,3 +78,13 @@ def test_the_base_unit_of_a_port_is_its_own_without_a_factor(unit, factor):
     assert base.conversion(own) == pytest.approx((1.0 / factor, 0.0))
     for plain in (None, Variable("x", "parameter"), Variable("x", "parameter", unit=parse_unit("rad/s"))):
         assert _base_unit(plain) is None
+
+
+def test_a_shared_value_is_that_of_the_first_block_that_takes_it(toy):
+    models = read_campaign(toy).job.opened.plan.models
+    assert list(models) == ["motor", "regulator"]
+    for name, unit in (("shared.inertia", "kg.m2"), ("shared.gain", None)):
+        found = _target(StartName.of(name), models)
+        assert found is not None
+        assert (found.unit and str(found.unit)) == unit
+    assert _target(StartName.of("shared.nobody"), models) is None

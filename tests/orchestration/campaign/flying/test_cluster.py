@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import nullcontext
 from pathlib import Path
 from time import monotonic, sleep
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -188,3 +189,20 @@ def test_a_check_whose_worker_dies_shows_nothing_and_adds_no_row(monkeypatch):
     monkeypatch.setattr(crew, "_sent", lambda batch: batch)
     monkeypatch.setattr(crew, "_flown", lambda future, batch: ValueError("it died"))
     assert list(crew._alone(Batch(np.array([4, 7]), None, check=True))) == []
+
+
+@pytest.mark.parametrize(
+    ("port", "told"),
+    [(0, "expected tcp"), (65536, "expected tcp"), (1, "cannot be reached"), (65535, "cannot be reached")],
+)
+def test_the_port_of_a_scheduler_is_one_of_65535(monkeypatch, port, told):
+    monkeypatch.setattr(cluster, "_PATIENCE", 0.3)
+    with pytest.raises(InputError, match=told), cluster._client(None, f"tcp://127.0.0.1:{port}", False):
+        pass
+
+
+def test_a_cluster_flies_one_run_on_each_thread_and_one_at_a_time_while_it_has_none():
+    for threads, slots in (({}, 1), ({"a": 2, "b": 1}, 3)):
+        flying = cluster.Cluster(SimpleNamespace(nthreads=lambda threads=threads: threads), "key", None)
+        assert flying.slots == slots
+        assert flying.anew is False

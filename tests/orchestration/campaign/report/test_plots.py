@@ -82,3 +82,10 @@ def test_plots_that_are_left_out_are_told_and_those_that_correlate_most_come_fir
     found = [abs(float(x.replace("\N{MINUS SIGN}", "-"))) for x in re.findall(r"rank correlation (\S\d?\.\d+)", page)]
     assert len(found) == 3
     assert found == sorted(found, reverse=True)
+
+
+@pytest.mark.parametrize(("file", "told"), [("a/b.yaml", "a/b.yaml"), (None, "detumble")])
+def test_the_scenario_of_a_campaign_is_told_by_its_file_or_else_by_its_name(tmp_path, file, told):
+    folder = synthetic.write(tmp_path, 30, analyses=False, scenario_file=file, scenario="detumble")
+    words = Reader(report.page(folder)).words
+    assert f"scenario {told}" in words
