@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import zipfile
+from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,13 +12,19 @@ import pytest
 
 from orchestration import load
 from orchestration.errors import InputError
-from orchestration.export.changes import start_of
+from orchestration.export import system
+from orchestration.export.changes import _of_signal, start_of
+from orchestration.export.ssp import Style, parameter_set
+from orchestration.export.system import Value, _worth, flat
 from orchestration.fmu.model import Element, Variable
 from orchestration.quantities import parse_unit
 from orchestration.ssp.reader import _changed, _check_transformation, _times, start_value
 from orchestration.ssp.structure import Given
 from orchestration.system.wiring import Node
+from tests.commands import orchestrate
 from tests.tools.test_foreign_ssp import _SYSTEM, EXPERIMENT, _connection, _value, foreign
+
+from .. import vendor
 
 SPEED = Variable("speed", "parameter", unit=parse_unit("rad/s"))
 MODE = Variable("mode", "parameter", type="enumeration", items=(("normal", 1), ("brake", 2)))
@@ -116,3 +125,67 @@ def test_an_input_whose_connection_begins_at_nothing_is_as_one_without(loop: Pat
     scenario = load("foreign.ssp", {"step": 0.1})
     assert scenario.blocks["control_regulator"].start["speed"] == 0.0
     assert [str(c) for c in scenario.connections] == ["control_regulator.voltage -> motor_1.voltage"]
+
+
+def test_text_and_items_are_written_where_they_are_not_the_fmus_own_and_numbers_always():
+    for kind, value, own, written in (
+        ("string", "a", "a", False), ("string", "a", "b", True), ("enumeration", 1, 1, False),
+        ("enumeration", 2, 1, True), ("real", 1.0, 1.0, True), ("boolean", True, True, True),
+    ):  # fmt: skip
+        assert _worth(Variable("x", "parameter", type=kind), value, own) is written
+
+
+@pytest.mark.parametrize(
+    ("begin", "delayed", "at_start"), [(0, False, True), (0, True, False), (1, False, False), (1, True, False)]
+)
+def test_a_fault_acts_at_the_start_where_it_begins_there_and_its_signal_is_not_delayed(begin, delayed, at_start):
+    fault = SimpleNamespace(behind=lambda *_: 0, kind="bias", span=(begin, 10), value=2.0, delayed=delayed)
+    made = _of_signal(fault, {}, 1, Fraction("0.1"))
+    assert made.at_start is at_start
+
+
+@pytest.mark.compile
+def test_an_archive_says_the_units_of_numbers_and_the_items_of_enumerations(loop):
+    loop.write_text(loop.read_text("utf-8").replace("inertia: 0.5", "inertia: 0.5\n      mode: brake"), "utf-8")
+    assert orchestrate("export", loop.name, "--ssp", "loop.ssp").exit_code == 0
+    with zipfile.ZipFile("loop.ssp") as archive:
+        structure = archive.read("SystemStructure.ssd").decode()
+        values = archive.read("resources/motor.ssv").decode()
+    assert re.search(r'name="speed" kind="output">\s*<ssc:Real unit="rad/s"', structure)
+    assert re.search(r'name="inertia">\s*<ssv:Real value="0.5" unit="kg.m2"', values)
+    assert re.search(r'name="mode">\s*<ssv:Enumeration value="brake"', values)
+
+
+@pytest.mark.compile
+def test_a_block_with_a_mapping_is_not_exported(loop):
+    vendor.write(loop.parent, runnable=True)
+    mapped = "fmu: vendor.fmu\n    interface: regulator.fmu\n    map: {file: mapping.yaml}"
+    text = loop.read_text("utf-8")
+    assert {component.name for component in flat(load(loop)).components} == {"motor", "regulator"}
+    loop.write_text(text.replace("fmu: regulator.fmu", mapped), "utf-8")
+    with pytest.raises(InputError, match="its ports are mapped to those of another interface"):
+        flat(load(loop))
+
+
+@pytest.mark.parametrize("numbers", [False, True])
+def test_items_are_items_unless_numbers_are_asked_for(numbers):
+    style = Style(numbers=True) if numbers else Style()
+    text = parameter_set([Value("mode", MODE, 2)], style).decode()
+    assert ("<ssv:Integer" in text) is numbers
+    assert ('<ssv:Enumeration value="brake"' in text) is not numbers
+
+
+@pytest.mark.compile
+@pytest.mark.parametrize("inside", ["<ssv:ParameterMapping/>", '<ssm:ParameterMapping version="1.0" colour="red"/>'])
+def test_a_mapping_that_is_written_in_the_archive_is_held_to_its_format(loop, inside):
+    foreign(mapping=f"<ssd:ParameterMapping>{inside}</ssd:ParameterMapping>", top=EXPERIMENT)
+    with pytest.raises(InputError, match="a parameter mapping"):
+        load("foreign.ssp", {"step": 0.1})
+
+
+@pytest.mark.compile
+def test_an_export_takes_the_project_s_fmus_for_all_platforms(loop, monkeypatch):
+    asked, opened = [], system.open_fmus
+    monkeypatch.setattr(system, "open_fmus", lambda of, here=True: asked.append(here) or opened(of, here))
+    flat(load(loop))
+    assert asked == [False]
