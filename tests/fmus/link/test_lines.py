@@ -65,3 +65,29 @@ def connected(port: int) -> socket.socket:
         except ConnectionRefusedError:
             threading.Event().wait(0.02)
     raise TimeoutError(f"nobody listens at {port}")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["udp"],
+        ["fax", "7001"],
+        ["7001", "udp"],
+        ["udp", "7001", "--listen"],
+        ["udp", "7001", "--hear", "0.0.0.0"],
+        ["udp", "7001", "--listen", "0.0.0.0", "more"],
+    ],
+)
+def test_what_is_no_place_to_listen_at_is_refused_with_the_use(arguments):
+    with pytest.raises(SystemExit) as ended:
+        lines.serve(lambda *_: pytest.fail("it listens"), arguments)
+    assert ended.value.code == lines.USE
+
+
+@pytest.mark.parametrize("kind", ["udp", "tcp"])
+@pytest.mark.parametrize("more", [[], ["--listen", "127.0.0.1"]])
+def test_a_port_that_is_none_is_looked_at_behind_the_use(kind, more):
+    """These are well formed: it is the socket that refuses them."""
+    with pytest.raises((OverflowError, OSError)):
+        lines.serve(lambda *_: b"", [kind, "99999", *more])
