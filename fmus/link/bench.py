@@ -167,7 +167,8 @@ def compare(ports: Ports, folder: Path, line: _Line, tolerance: float = 1e-6) ->
         rows += 1
         for label, value in wanted.items():
             difference = abs(given[label] - value)
-            if not difference <= worst.get(label, (-1.0, 0.0))[0]:  # also where it is not a number
+            largest = worst.get(label, (-1.0, 0.0))[0]
+            if largest == largest and not difference <= largest:  # one that is not a number stays
                 worst[label] = difference, now
             peak[label] = max(peak.get(label, 0.0), abs(value))
     print(f"{rows} rows, tolerance {tolerance:g} of the largest value\n")
