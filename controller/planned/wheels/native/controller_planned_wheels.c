@@ -69,7 +69,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     const Vector H = is_zero_matrix(R) ? s->H : weighted(x, R, s->H);
     Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, H, b);
     if (sheds && !is_zero_matrix(R)) {
-        const Vector along = apply_transposed(R, x->shedding);
+        const Vector along = apply_transposed(R, x->aim.whole < INFINITY ? x->aim.lambda : x->shedding);
         dipole = shedding_dipole(law->rods, p->dipole_max, p->rod_limits, along, b);
     }
     dipole = controller_planned_wheels_by_gains(law, x->rod_gains, dipole);
@@ -78,7 +78,10 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     const Wanted plan = controller_planned_wheels_plan_at(x, &s->target, p->command_period);
     Vector tau;
     if (sheds) {
-        tau = subtract(by_rods, by_wheels);
+        const Vector more = x->aim.whole < INFINITY ? subtract(x->aim.knots[0], s->h) : (Vector){0.0, 0.0, 0.0};
+        const double size = norm(more);
+        const double most = smaller(1.0 / p->command_period, size > 0.0 ? s->most / size : 0.0);
+        tau = subtract(subtract(by_rods, by_wheels), scale(most, more));
     } else if (x->phase == WHEELS_DAMPING || !s->target.attitude) {
         tau = stopping(law, x, s, by_body, by_wheels);
     } else { /* (9) */
@@ -88,13 +91,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     }
     store(tau, y->tau_cmd_B);
     store(dipole, y->dipole_ff);
-    if (sheds) {
-        for (int i = 0; i < WHEELS_MAX; ++i) {
-            y->wheel_torque_ff[i] = 0.0;
-        }
-    } else {
-        controller_planned_wheels_share(law, s, u->h_w, subtract(add(tau, by_wheels), by_rods), y->wheel_torque_ff);
-    }
+    controller_planned_wheels_share(law, s, u->h_w, subtract(add(tau, by_wheels), by_rods), y->wheel_torque_ff);
     y->attitude_error = s->angle;
     store(s->rate, y->rate_error_B);
     store_matrix(plan.R, y->R_d);
@@ -102,7 +99,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     store(plan.dOmega, y->dOmega_d);
     y->phase = x->phase;
     y->reduced = false;
-    store(x->disturbance_B, y->disturbance_B);
+    store(sheds ? x->shedding : x->disturbance_B, y->disturbance_B); /*DBG*/
     controller_planned_wheels_report_rods(x->rod_gains, y);
 }
 

@@ -16,6 +16,19 @@
 
 typedef enum { WHEELS_SHEDDING = 1, WHEELS_TURN = 2, WHEELS_HOLD = 3, WHEELS_DAMPING = 4 } WheelsPhase;
 
+enum { AIM_KNOTS = 2 };
+
+typedef struct {
+    Vector knots[AIM_KNOTS]; /* N m s, of the wheels together, in body axes, evenly over the time that is left */
+    Vector other[AIM_KNOTS]; /* that are tried beside */
+    Vector lambda, other_lambda; /* unit, in N */
+    double segment, since;   /* s, from knot to knot; from the begin of the first */
+    double whole;            /* s, until the turn that follows is over; infinite where none is known */
+    double angle, error;     /* rad, of that turn, now and at the last sample */
+    int32_t tries;
+    bool waits; /* it goes on */
+} Aim;
+
 typedef struct {
     double t; /* s */
     int32_t phase;
@@ -23,6 +36,7 @@ typedef struct {
     double begun;            /* s, of the turn */
     Vector axis;             /* of the turn, unit, in the frame of the desired body */
     SlewTurn turn;
+    Aim aim;              /* while momentum is shed */
     Vector shedding;      /* unit, in N: along it momentum is shed, (7) */
     Vector disturbance_B; /* N m, what the hold has to counter */
     Matrix across;        /* in N: the mean of 1 - b b' over the orbit behind, (12) */

@@ -5,6 +5,7 @@ static const double LEAST_SHED = 0.1,
                     ROOM = 1.15;       /* of the inradius: shed to at least, and what a turn has for rates */
 static const double SHED_AGAIN = 1.35; /* of the inradius: above, it is shed after damping has begun */
 static const double TURN_ANGLE = 2.2;  /* rad, of the turn that follows */
+static const double AIMED_ANGLE = 0.7, ROUNDED = 0.2;
 static const double LOST = 2.0;        /* errors, over those whose answer is all that the wheels can give */
 static const double FASTER = 1.05;     /* rates, from which on a turn goes on by new limits */
 static const double DISTURBANCE_GAIN = 0.1, DISTURBANCE_SHARE = 0.3; /* of (2 k)^3; of the wheels' torque */
@@ -25,9 +26,26 @@ static void hasten_turn(const ControllerPlannedWheelsLaw *law, const Sample *s, 
     }
 }
 
+/* Of the momenta that the wheels hold in the target's attitude, in N: those farthest along lambda are this by lambda. */
+static Matrix ends_of(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector lambda)
+{
+    Matrix ends = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    if (!s->target.attitude) {
+        return add_scaled(ends, SHED_ABOVE * s->momentum.inradius, identity);
+    }
+    for (int i = 0; i < law->p.wheels; ++i) {
+        if (s->works[i]) {
+            const Vector a = apply(s->target.R, law->axes[i]);
+            const double c = dot(a, lambda), size = SHED_ABOVE * law->p.wheel_momentum_max[i] / sqrt(c * c + ROUNDED * ROUNDED);
+            ends = add_scaled(ends, size, (Matrix){scale(a.x, a), scale(a.y, a), scale(a.z, a)});
+        }
+    }
+    return ends;
+}
+
 /* (7): whether momentum is shed, and along which direction; `turn`: time of a turn that begins now, s. */
 static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const ControllerPlannedWheelsInputs *u,
-                  double above, double turn, Vector *lambda)
+                  double above, double turn, ControllerPlannedWheelsState *x)
 {
     const double H = norm(add(s->H, law->h_target));
     if (H <= above * s->momentum.inradius) {
@@ -38,11 +56,23 @@ static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const 
         return H > 0.5 * SHED_ABOVE * s->momentum.inradius;
     }
     const Vector H_N = apply(R, s->H);
-    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, SHED_ABOVE * s->momentum.inradius,
-                               ROOM * s->momentum.inradius, TURN_ANGLE * law->J_bound * 2.0 / 3.0};
-    const Shedding found = shedding_of(&data, H_N, above < SHED_ABOVE ? *lambda : direction(norm(H_N), H_N),
-                                       apply(R, vector(u->b_B)), vector(u->r_N), vector(u->v_N));
-    *lambda = found.lambda;
+    const bool on = above < SHED_ABOVE;
+    const double angle = s->target.attitude ? AIMED_ANGLE : TURN_ANGLE;
+    const Vector lambda = on ? x->shedding : direction(norm(H_N), H_N);
+    const Matrix ends = ends_of(law, s, lambda);
+    const double held = dot(lambda, apply(ends, lambda));
+    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, held, ends, larger(1.15 * held, ROOM * s->momentum.inradius),
+                               angle * law->J_bound * 2.0 / 3.0};
+    const FieldAhead field = field_ahead(apply(R, s->b), vector(u->r_N), vector(u->v_N));
+    const Shedding found = shedding_of(&data, H_N, lambda, &field);
+    x->shedding = found.lambda;
+    x->aim.whole = INFINITY;
+    if (s->target.attitude) {
+        controller_planned_wheels_aim(law, s, u, &found, x->rod_gains, !on, &x->aim);
+    }
+    if (x->aim.whole < INFINITY) {
+        return !(turn < x->aim.whole) && x->aim.waits;
+    }
     return !(turn < found.whole) && (H > SHED_ABOVE * s->momentum.inradius || found.time > 0.0);
 }
 
@@ -82,7 +112,7 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
         way = controller_planned_wheels_best_way(law, s, damps_on, x->axis);
     }
     const double above = sheds_on ? LEAST_SHED : damps_on ? SHED_AGAIN : SHED_ABOVE;
-    if (sheds(law, s, u, above, way.time, &x->shedding)) {
+    if (sheds(law, s, u, above, way.time, x)) {
         x->phase = WHEELS_SHEDDING;
         return;
     }

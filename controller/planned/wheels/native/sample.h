@@ -64,6 +64,14 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
                                       const ControllerPlannedWheelsInputs *u, bool first,
                                       ControllerPlannedWheelsState *x);
 
+/* N m s, that the wheels hold in the direction of `along`, in axes of the target. */
+double controller_planned_wheels_held(const Sample *s, Vector along);
+
+/* (14): the momentum that the wheels are to have while the rods shed, for the attitude at its end. */
+void controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const Sample *s,
+                                   const ControllerPlannedWheelsInputs *u, const Shedding *shedding, Vector gains,
+                                   bool first, Aim *aim);
+
 /* (4) with the limits of (3) about the axis, a unit vector, over an angle to the target. */
 TurnLimits controller_planned_wheels_turn_about(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector axis,
                                                 double angle);

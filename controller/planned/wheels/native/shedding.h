@@ -13,6 +13,7 @@ static const double SHEDDING_LEAST = 0.1; /* of `held`: less is not aimed at */
 typedef struct {
     double dipole;     /* A m2, of all rods across any direction, the mean over attitudes */
     double held;       /* N m s, of which wheels bear at most so much in a turn */
+    Matrix ends;       /* N m s, by lambda the momentum that is farthest along it of those */
     double room, turn; /* N m s, kg m2 rad: with the momentum x in the wheels a turn takes turn/(room - x) s */
 } SheddingData;
 
@@ -22,19 +23,41 @@ typedef struct {
     double whole;  /* s, of that and of the turn that follows */
 } Shedding;
 
-/* By iterations from `before`, which is one as well, of unit length; b_N is the field here. All in N. The field to come
- * is that of the dipole in the Earth's middle that gives b_N here. */
-static inline Shedding shedding_of(const SheddingData *data, Vector H_N, Vector before, Vector b_N, Vector r_N,
-                                   Vector v_N)
+/* The field to come, along the circle through r: that of the dipole in the Earth's middle that gives b_N here. */
+typedef struct {
+    Vector radial, ahead; /* unit, in N */
+    Vector earth;         /* T, of the dipole over r^3 */
+    double rate;          /* rad/s, of the orbit; 0: r and v are none */
+} FieldAhead;
+
+static inline FieldAhead field_ahead(Vector b_N, Vector r_N, Vector v_N)
 {
     const Vector across = cross(r_N, v_N);
-    const double r = norm(r_N), size = norm(across), H = norm(H_N);
-    if (!(r > 1.0 && size > 0.0 && H > 0.0 && norm(b_N) > WHEELS_FIELD_MIN)) {
+    const double r = norm(r_N), size = norm(across);
+    FieldAhead field = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0};
+    if (r > 1.0 && size > 0.0 && norm(b_N) > WHEELS_FIELD_MIN) {
+        field.radial = scale(1.0 / r, r_N);
+        field.ahead = cross(scale(1.0 / size, across), field.radial);
+        field.earth = subtract(scale(1.5 * dot(b_N, field.radial), field.radial), b_N);
+        field.rate = size / (r * r);
+    }
+    return field;
+}
+
+/* `angle` of the orbit further on, in N. */
+static inline Vector field_at(const FieldAhead *field, double angle)
+{
+    const Vector up = add(scale(cos(angle), field->radial), scale(sin(angle), field->ahead));
+    return subtract(scale(3.0 * dot(field->earth, up), up), field->earth);
+}
+
+/* By iterations from `before`, which is one as well, of unit length. All in N. */
+static inline Shedding shedding_of(const SheddingData *data, Vector H_N, Vector before, const FieldAhead *field)
+{
+    if (!(field->rate > 0.0 && norm(H_N) > 0.0)) {
         return (Shedding){before, 0.0, INFINITY};
     }
-    const double node = SHEDDING_TURN * r * r / size; /* s, on a circle through r */
-    const Vector radial = scale(1.0 / r, r_N), ahead = cross(scale(1.0 / size, across), radial);
-    const Vector earth = subtract(scale(1.5 * dot(b_N, radial), radial), b_N); /* T, of the dipole over r^3 */
+    const double node = SHEDDING_TURN / field->rate; /* s */
     const double least = SHEDDING_LEAST * data->held;
     Shedding found = {before, 0.0, INFINITY};
     for (int k = 0; k < SHEDDING_ITERATIONS; ++k) {
@@ -54,9 +77,7 @@ static inline Shedding shedding_of(const SheddingData *data, Vector H_N, Vector 
             if (left <= least) {
                 break;
             }
-            const double angle = (i + 0.5) * SHEDDING_TURN;
-            const Vector up = add(scale(cos(angle), radial), scale(sin(angle), ahead));
-            const Vector b = subtract(scale(3.0 * dot(earth, up), up), earth);
+            const Vector b = field_at(field, (i + 0.5) * SHEDDING_TURN);
             const double B2 = dot(b, b), sine2 = larger(B2 - dot(b, lambda) * dot(b, lambda), 0.0);
             const double most = data->dipole * node / sqrt(larger(sine2, SHEDDING_SOFT * SHEDDING_SOFT * B2));
             const double share = most * sine2 > left - 0.9 * least ? (left - 0.9 * least) / (most * sine2) : 1.0;
@@ -66,7 +87,7 @@ static inline Shedding shedding_of(const SheddingData *data, Vector H_N, Vector 
             time += share * node;
         }
         found.whole = whole;
-        const Vector next = solve(add_scaled(M_best, left_best, identity), H_N);
+        const Vector next = solve(add_scaled(M_best, left_best / data->held, data->ends), H_N);
         found.lambda = direction(norm(next), next);
     }
     return found;
