@@ -69,7 +69,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     const Vector H = is_zero_matrix(R) ? s->H : weighted(x, R, s->H);
     Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, H, b);
     if (sheds && !is_zero_matrix(R)) {
-        const Vector along = apply_transposed(R, x->aim.whole < INFINITY ? x->aim.lambda : x->shedding);
+        const Vector along = apply_transposed(R, x->aim.whole < INFINITY ? x->aim.course.lambda : x->shedding);
         dipole = shedding_dipole(law->rods, p->dipole_max, p->rod_limits, along, b);
     }
     dipole = controller_planned_wheels_by_gains(law, x->rod_gains, dipole);
@@ -78,10 +78,9 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     const Wanted plan = controller_planned_wheels_plan_at(x, &s->target, p->command_period);
     Vector tau;
     if (sheds) {
-        const Vector more = x->aim.whole < INFINITY ? subtract(x->aim.knots[0], s->h) : (Vector){0.0, 0.0, 0.0};
-        const double size = norm(more);
-        const double most = smaller(1.0 / p->command_period, size > 0.0 ? s->most / size : 0.0);
-        tau = subtract(subtract(by_rods, by_wheels), scale(most, more));
+        const Vector more = x->aim.whole < INFINITY ? subtract(x->aim.course.knots[0], s->h) : (Vector){0.0, 0.0, 0.0};
+        const double size = norm(more), rate = 1.0 / p->command_period;
+        tau = subtract(by_rods, add(by_wheels, scale(size > 0.0 ? smaller(rate, s->most / size) : 0.0, more)));
     } else if (x->phase == WHEELS_DAMPING || !s->target.attitude) {
         tau = stopping(law, x, s, by_body, by_wheels);
     } else { /* (9) */
@@ -99,7 +98,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     store(plan.dOmega, y->dOmega_d);
     y->phase = x->phase;
     y->reduced = false;
-    store(sheds ? x->shedding : x->disturbance_B, y->disturbance_B); /*DBG*/
+    store(x->disturbance_B, y->disturbance_B);
     controller_planned_wheels_report_rods(x->rod_gains, y);
 }
 

@@ -16,17 +16,20 @@
 
 typedef enum { WHEELS_SHEDDING = 1, WHEELS_TURN = 2, WHEELS_HOLD = 3, WHEELS_DAMPING = 4 } WheelsPhase;
 
-enum { AIM_KNOTS = 2 };
+enum { AIM_COURSE_KNOTS = 2 };
+
+/* How momentum is shed. */
+typedef struct {
+    Vector knots[AIM_COURSE_KNOTS]; /* N m s, of the wheels together, in body axes, one after the other */
+    Vector lambda;                  /* unit, in N: along it the rods shed */
+} AimCourse;
 
 typedef struct {
-    Vector knots[AIM_KNOTS]; /* N m s, of the wheels together, in body axes, evenly over the time that is left */
-    Vector other[AIM_KNOTS]; /* that are tried beside */
-    Vector lambda, other_lambda; /* unit, in N */
-    double segment, since;   /* s, from knot to knot; from the begin of the first */
-    double whole;            /* s, until the turn that follows is over; infinite where none is known */
-    double angle, error;     /* rad, of that turn, now and at the last sample */
+    AimCourse course, other; /* that is taken, and one that is tried beside */
+    double segment, since;   /* s, from knot to knot, 0 without a course; since the begin of the first */
+    double left, whole;      /* s, to the end of shedding and of the turn that follows; infinite: not known */
     int32_t tries;
-    bool waits; /* it goes on */
+    bool waits; /* for that end */
 } Aim;
 
 typedef struct {

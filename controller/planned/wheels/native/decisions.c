@@ -5,7 +5,9 @@ static const double LEAST_SHED = 0.1,
                     ROOM = 1.15;       /* of the inradius: shed to at least, and what a turn has for rates */
 static const double SHED_AGAIN = 1.35; /* of the inradius: above, it is shed after damping has begun */
 static const double TURN_ANGLE = 2.2;  /* rad, of the turn that follows */
-static const double AIMED_ANGLE = 0.7, ROUNDED = 0.2;
+static const double AIMED_ANGLE = 0.7; /* where the end of shedding is aimed at */
+static const double ROUNDED = 0.2;     /* corners of what the wheels hold */
+static const double SOONER = 1.5;      /* times: another turn is taken that is over so much sooner */
 static const double LOST = 2.0;        /* errors, over those whose answer is all that the wheels can give */
 static const double FASTER = 1.05;     /* rates, from which on a turn goes on by new limits */
 static const double DISTURBANCE_GAIN = 0.1, DISTURBANCE_SHARE = 0.3; /* of (2 k)^3; of the wheels' torque */
@@ -36,8 +38,9 @@ static Matrix ends_of(const ControllerPlannedWheelsLaw *law, const Sample *s, Ve
     for (int i = 0; i < law->p.wheels; ++i) {
         if (s->works[i]) {
             const Vector a = apply(s->target.R, law->axes[i]);
-            const double c = dot(a, lambda), size = SHED_ABOVE * law->p.wheel_momentum_max[i] / sqrt(c * c + ROUNDED * ROUNDED);
-            ends = add_scaled(ends, size, (Matrix){scale(a.x, a), scale(a.y, a), scale(a.z, a)});
+            const double c = dot(a, lambda), most = SHED_ABOVE * law->p.wheel_momentum_max[i];
+            ends = add_scaled(ends, most / sqrt(c * c + ROUNDED * ROUNDED),
+                              (Matrix){scale(a.x, a), scale(a.y, a), scale(a.z, a)});
         }
     }
     return ends;
@@ -48,6 +51,7 @@ static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const 
                   double above, double turn, ControllerPlannedWheelsState *x)
 {
     const double H = norm(add(s->H, law->h_target));
+    x->aim.whole = INFINITY;
     if (H <= above * s->momentum.inradius) {
         return false;
     }
@@ -61,14 +65,13 @@ static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const 
     const Vector lambda = on ? x->shedding : direction(norm(H_N), H_N);
     const Matrix ends = ends_of(law, s, lambda);
     const double held = dot(lambda, apply(ends, lambda));
-    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, held, ends, larger(1.15 * held, ROOM * s->momentum.inradius),
-                               angle * law->J_bound * 2.0 / 3.0};
+    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, held, ends,
+                               larger(1.15 * held, ROOM * s->momentum.inradius), angle * law->J_bound * 2.0 / 3.0};
     const FieldAhead field = field_ahead(apply(R, s->b), vector(u->r_N), vector(u->v_N));
     const Shedding found = shedding_of(&data, H_N, lambda, &field);
     x->shedding = found.lambda;
-    x->aim.whole = INFINITY;
     if (s->target.attitude) {
-        controller_planned_wheels_aim(law, s, u, &found, x->rod_gains, !on, &x->aim);
+        controller_planned_wheels_aim(law, s, u, &found, turn, !on, x);
     }
     if (x->aim.whole < INFINITY) {
         return !(turn < x->aim.whole) && x->aim.waits;
@@ -99,10 +102,13 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
                 const Vector d = add(x->disturbance_B, more);
                 x->phase = WHEELS_HOLD;
                 x->disturbance_B = scale(norm(d) > most ? most / norm(d) : 1.0, d);
-            } else {
-                hasten_turn(law, s, x);
+                return;
             }
-            return;
+            const TurnWay again = controller_planned_wheels_best_way(law, s, true, x->axis);
+            if (!(SOONER * again.time < turn_time(&x->turn) - (x->t - x->begun))) {
+                hasten_turn(law, s, x);
+                return;
+            }
         }
     }
     x->disturbance_B = none;

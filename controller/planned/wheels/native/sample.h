@@ -67,10 +67,10 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
 /* N m s, that the wheels hold in the direction of `along`, in axes of the target. */
 double controller_planned_wheels_held(const Sample *s, Vector along);
 
-/* (14): the momentum that the wheels are to have while the rods shed, for the attitude at its end. */
+/* (14), (15): x->aim, where the end of shedding can be seen; `turn`: time of a turn that begins now, s. */
 void controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const Sample *s,
-                                   const ControllerPlannedWheelsInputs *u, const Shedding *shedding, Vector gains,
-                                   bool first, Aim *aim);
+                                   const ControllerPlannedWheelsInputs *u, const Shedding *shedding, double turn,
+                                   bool first, ControllerPlannedWheelsState *x);
 
 /* (4) with the limits of (3) about the axis, a unit vector, over an angle to the target. */
 TurnLimits controller_planned_wheels_turn_about(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector axis,
