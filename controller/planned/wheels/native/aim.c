@@ -9,7 +9,7 @@ static const double GOLDEN = 2.3999632297;             /* rad, from direction to
 static const double TURNED = 57.6;                     /* rad, that a motion ahead rotates at most */
 static const double LONGER = 1.3, LEAST_SAMPLES = 4.0; /* than (7) takes; the least time ahead */
 static const double REACH = 0.9;                       /* of what the wheels hold */
-static const double ROOM = 1.15, LEAST_ROOM = 0.15;    /* of the inradius, for rates of the turn that follows */
+static const double LEAST_ROOM = 0.15;                 /* of the room for rates of the turn that follows */
 static const double MEAN = 2.0 / 3.0;                  /* of J_bound, about the axis of that turn */
 static const double DAMPED = 1e-4;                     /* of the mean square of the derivatives */
 static const double SOONER = 0.97;                     /* of the time, from which on another course is taken */
@@ -61,7 +61,7 @@ static Vector momentum_at(const Sample *s, const Aim *aim, const AimCourse *cour
     return add(from, scale(size > 0.0 ? smaller(1.0, gone * s->most / size) : 1.0, change));
 }
 
-/* (15): what is left if shedding ends in attitude R, `time` s from now, with the momentum H of all. */
+/* (16): what is left if shedding ends in attitude R, `time` s from now, with the momentum H of all. */
 static void look_at_end(const ControllerPlannedWheelsLaw *law, const Sample *s, Matrix R, Vector Omega, Vector H,
                         double time, const Matrix moved[AIM_COURSE_KNOTS], Arrival *best)
 {
@@ -87,7 +87,7 @@ static void look_at_end(const ControllerPlannedWheelsLaw *law, const Sample *s, 
     }
 }
 
-/* (14): the best end of the motion ahead on that course. */
+/* (15): the best end of the motion ahead on that course. */
 static void arrive(const ControllerPlannedWheelsLaw *law, const Sample *s, const Coming *coming, const Aim *aim,
                    const AimCourse *course, Arrival *best)
 {

@@ -1,13 +1,11 @@
 /* Phases: docs/how/planned-wheels.md, Decisions. */
 #include "sample.h"
 
-static const double LEAST_SHED = 0.1,
-                    ROOM = 1.15;       /* of the inradius: shed to at least, and what a turn has for rates */
+static const double LEAST_SHED = 0.1;  /* of the inradius: shed to at least */
 static const double SHED_AGAIN = 1.35; /* of the inradius: above, it is shed after damping has begun */
 static const double TURN_ANGLE = 2.2;  /* rad, of the turn that follows */
 static const double AIMED_ANGLE = 0.7; /* where the end of shedding is aimed at */
 static const double ROUNDED = 0.2;     /* corners of what the wheels hold */
-static const double SOONER = 1.5;      /* times: another turn is taken that is over so much sooner */
 static const double LOST = 2.0;        /* errors, over those whose answer is all that the wheels can give */
 static const double FASTER = 1.05;     /* rates, from which on a turn goes on by new limits */
 static const double DISTURBANCE_GAIN = 0.1, DISTURBANCE_SHARE = 0.3; /* of (2 k)^3; of the wheels' torque */
@@ -65,8 +63,8 @@ static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const 
     const Vector lambda = on ? x->shedding : direction(norm(H_N), H_N);
     const Matrix ends = ends_of(law, s, lambda);
     const double held = dot(lambda, apply(ends, lambda));
-    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, held, ends,
-                               larger(1.15 * held, ROOM * s->momentum.inradius), angle * law->J_bound * 2.0 / 3.0};
+    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, held, ends, ROOM * larger(held, s->momentum.inradius),
+                               angle * law->J_bound * 2.0 / 3.0};
     const FieldAhead field = field_ahead(apply(R, s->b), vector(u->r_N), vector(u->v_N));
     const Shedding found = shedding_of(&data, H_N, lambda, &field);
     x->shedding = found.lambda;
@@ -102,13 +100,10 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
                 const Vector d = add(x->disturbance_B, more);
                 x->phase = WHEELS_HOLD;
                 x->disturbance_B = scale(norm(d) > most ? most / norm(d) : 1.0, d);
-                return;
-            }
-            const TurnWay again = controller_planned_wheels_best_way(law, s, true, x->axis);
-            if (!(SOONER * again.time < turn_time(&x->turn) - (x->t - x->begun))) {
+            } else {
                 hasten_turn(law, s, x);
-                return;
             }
+            return;
         }
     }
     x->disturbance_B = none;

@@ -5,6 +5,7 @@
 #include "controller_planned_wheels.h"
 
 static const double SHED_ABOVE = 0.9;       /* of the momentum that the wheels hold in any direction */
+static const double ROOM = 1.15;            /* of the inradius: what a turn has for rates, and momentum */
 static const double SHEDDING_RODS = 1.5;    /* of the mean rod's dipole: the most of three, the mean over attitudes */
 static const double UNLOADING_SOONER = 0.2; /* of unloading_time, before the hold */
 
@@ -67,7 +68,7 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
 /* N m s, that the wheels hold in the direction of `along`, in axes of the target. */
 double controller_planned_wheels_held(const Sample *s, Vector along);
 
-/* (14), (15): x->aim, where the end of shedding can be seen; `turn`: time of a turn that begins now, s. */
+/* (15), (16): x->aim, where the end of shedding can be seen; `turn`: time of a turn that begins now, s. */
 void controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const Sample *s,
                                    const ControllerPlannedWheelsInputs *u, const Shedding *shedding, double turn,
                                    bool first, ControllerPlannedWheelsState *x);
