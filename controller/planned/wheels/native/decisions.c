@@ -33,7 +33,7 @@ static Matrix ends_of(const ControllerPlannedWheelsLaw *law, const Sample *s, Ve
     if (!s->target.attitude) {
         return add_scaled(ends, SHED_ABOVE * s->momentum.inradius, identity);
     }
-    for (int i = 0; i < law->p.wheels; ++i) {
+    for (int i = 0; i < WHEELS_MAX; ++i) {
         if (s->works[i]) {
             const Vector a = apply(s->target.R, law->axes[i]);
             const double c = dot(a, lambda), most = SHED_ABOVE * law->p.wheel_momentum_max[i];
