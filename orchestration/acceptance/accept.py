@@ -172,7 +172,7 @@ def _requirements(made: Acceptance) -> Iterator[Trial]:
         str(failed) if failed else comparison.ours.scenario.name,
     )
     mended = comparison.mended
-    wrong = mended is not None and bool(mended.behaves)  # another cause may be what the block is meant to do
+    wrong = mended is not None and bool(mended.behaves or mended.equally)  # another cause may be meant to be there
     status = "failed" if wrong or not (comparison.equivalent or comparison.met) else "met"
     text = " ".join(f"{verdict.verdict(comparison)}. {' '.join(verdict.explanation(comparison))}".split())
     yield Trial("no wrong wiring is found", status, text)

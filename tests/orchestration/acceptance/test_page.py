@@ -74,11 +74,17 @@ def test_it_says_what_became_of_each_output_and_expectation():
         assert text in words, text
 
 
-def test_a_wiring_that_is_named_fails_the_requirement_whether_or_not_the_loop_shows_it():
+def test_a_wiring_that_is_named_or_as_likely_fails_the_requirement_whether_or_not_the_loop_shows_it():
     facts = {"platforms": [], "not_valid": [], "kind": "x"}
-    for behaves, met, status in (({"x": "sign"}, True, "failed"), ({}, True, "met"), ({}, False, "failed")):
+    cases = (
+        ({"x": "sign"}, (), True, "failed"),
+        ({}, ("x: sign",), True, "failed"),
+        ({}, (), True, "met"),
+        ({}, (), False, "failed"),
+    )
+    for behaves, equally, met, status in cases:
         comparison = compared()
-        comparison.mended = Mended("a", behaves, {}, 1.0, 0.0, None, True)
+        comparison.mended = Mended("a", behaves, {}, 1.0, 0.0, None, True, equally=equally)
         comparison.theirs.outcomes[:] = [replace(one, passed=met) for one in comparison.theirs.outcomes]
         made = Acceptance(facts, "a", "swing", [], None, comparison=comparison)
         assert {one.name: one.status for one in made.requirements}["no wrong wiring is found"] == status
