@@ -14,6 +14,7 @@ static const double MEAN = 2.0 / 3.0;                  /* of J_bound, about the 
 static const double DAMPED = 1e-4;                     /* of the mean square of the derivatives */
 static const double SOONER = 0.97;                     /* of the time, from which on another course is taken */
 static const double SLIP = 0.5, MUCH_LATER = 4.0; /* s per s that the end may recede; times: a turn is no way out */
+static const double GIVEN_UP = 60.0;              /* s, that the end is behind: no course comes true */
 static const double FAR = 0.6, NEAR = 0.3;        /* from lambda, of those that are tried */
 
 /* What is the same for all motions ahead. */
@@ -172,6 +173,7 @@ static void begin(const Sample *s, const Coming *coming, Vector lambda, Aim *aim
     aim->since = 0.0;
     aim->tries = 0;
     aim->left = 2.0 * coming->time;
+    aim->given_up = false;
     aim->course.lambda = lambda;
     for (int k = 0; k < AIM_COURSE_KNOTS; ++k) {
         aim->course.knots[k] = s->h;
@@ -234,7 +236,8 @@ void controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const 
     } else {
         improve(s, &there, &aim->other);
     }
-    aim->whole = best.whole;
+    aim->given_up = aim->left < -GIVEN_UP;
+    aim->whole = aim->given_up ? INFINITY : best.whole;
     aim->left = smaller(aim->left - SLIP * p->command_period, best.time);
     aim->waits = aim->left > 0.0 || turn > MUCH_LATER * best.whole ||
                  norm(all) > controller_planned_wheels_held(s, apply(s->Q, all));

@@ -27,10 +27,10 @@ static void hasten_turn(const ControllerPlannedWheelsLaw *law, const Sample *s, 
 }
 
 /* Of the momenta that the wheels hold in the target's attitude, in N: those farthest along lambda are this by lambda. */
-static Matrix ends_of(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector lambda)
+static Matrix ends_of(const ControllerPlannedWheelsLaw *law, const Sample *s, bool aimed, Vector lambda)
 {
     Matrix ends = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    if (!s->target.attitude) {
+    if (!aimed) {
         return add_scaled(ends, SHED_ABOVE * s->momentum.inradius, identity);
     }
     for (int i = 0; i < WHEELS_MAX; ++i) {
@@ -59,16 +59,17 @@ static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const 
     }
     const Vector H_N = apply(R, s->H);
     const bool on = above < SHED_ABOVE;
-    const double angle = s->target.attitude ? AIMED_ANGLE : TURN_ANGLE;
+    const bool aimed = s->target.attitude && !(on && x->aim.given_up);
+    const double angle = aimed ? AIMED_ANGLE : TURN_ANGLE;
     const Vector lambda = on ? x->shedding : direction(norm(H_N), H_N);
-    const Matrix ends = ends_of(law, s, lambda);
+    const Matrix ends = ends_of(law, s, aimed, lambda);
     const double held = dot(lambda, apply(ends, lambda));
     const SheddingData data = {SHEDDING_RODS * law->rods_dipole, held, ends, ROOM * larger(held, s->momentum.inradius),
                                angle * law->J_bound * 2.0 / 3.0};
     const FieldAhead field = field_ahead(apply(R, s->b), vector(u->r_N), vector(u->v_N));
     const Shedding found = shedding_of(&data, H_N, lambda, &field);
     x->shedding = found.lambda;
-    if (s->target.attitude) {
+    if (aimed) {
         controller_planned_wheels_aim(law, s, u, &found, turn, !on, x);
     }
     if (x->aim.whole < INFINITY) {
