@@ -7,6 +7,9 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from evidence.flight.schemes import change
+from evidence.wheels.cases import CONDITIONS, Flights, scenario
+from orchestration import run
 from tests.native.driver import Instance
 from tests.plant.motion import FULL_INERTIA
 
@@ -58,3 +61,12 @@ def test_momentum_is_shed_a_second_time_as_the_first() -> None:
     first, second = map(np.array, commands)
     assert np.abs(first[:50, :4]).max() > 1e-3
     np.testing.assert_allclose(second[:100], first[:100], rtol=1e-9, atol=1e-12)
+
+
+def test_an_end_of_shedding_that_does_not_come_is_given_up() -> None:
+    """Near the equator the momentum lies along the field; what three wheels hold with one stuck, no course sheds to."""
+    flights = Flights("50 kg", "one stuck")
+    data = change(scenario(flights, CONDITIONS["one stuck"]), flights.drawn(9)[8])
+    recorded = {"interval": 10.0, "signals": ["judge.attitude_error"]}
+    flown = run({**data, "duration": 4000.0, "record": recorded})
+    assert np.degrees(flown["judge.attitude_error"][-60:].max()) < 1.0
