@@ -33,12 +33,6 @@ typedef struct {
     Matrix moved[AIM_COURSE_KNOTS]; /* rad/(N m s), of the attitude there by each knot */
 } Arrival;
 
-double controller_planned_wheels_held(const Sample *s, Vector along)
-{
-    const Vector none = {0.0, 0.0, 0.0};
-    return SHED_ABOVE * norm(along) * zonotope_beside(&s->momentum, 1.0, none, along);
-}
-
 /* v, or as much of it as the wheels hold. */
 static Vector within(const Sample *s, Vector v)
 {
@@ -67,13 +61,10 @@ static void look_at_end(const ControllerPlannedWheelsLaw *law, const Sample *s, 
                         double time, const Matrix moved[AIM_COURSE_KNOTS], Arrival *best)
 {
     const double size = norm(H), room = ROOM * s->momentum.inradius;
-    if (size > 2.0 * s->momentum.inradius) {
+    if (size > SHED_TO * s->momentum.inradius) {
         return;
     }
     const Matrix target = multiply(s->target.R, rotation_exp(scale(time, s->target.Omega)));
-    if (size > controller_planned_wheels_held(s, apply_transposed(target, H))) {
-        return;
-    }
     const Matrix Q = multiply(transposed(target), R);
     const Vector rate = subtract(Omega, apply_transposed(Q, s->target.Omega));
     const double brake = norm(apply(law->J, rate)) / s->most, J = MEAN * law->J_bound;
@@ -239,6 +230,5 @@ void controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const 
     aim->given_up = aim->left < -GIVEN_UP;
     aim->whole = aim->given_up ? INFINITY : best.whole;
     aim->left = smaller(aim->left - SLIP * p->command_period, best.time);
-    aim->waits = aim->left > 0.0 || turn > MUCH_LATER * best.whole ||
-                 norm(all) > controller_planned_wheels_held(s, apply(s->Q, all));
+    aim->waits = aim->left > 0.0 || turn > MUCH_LATER * best.whole || norm(all) > SHED_TO * s->momentum.inradius;
 }

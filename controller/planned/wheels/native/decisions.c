@@ -5,7 +5,6 @@ static const double LEAST_SHED = 0.1;  /* of the inradius: shed to at least */
 static const double SHED_AGAIN = 1.35; /* of the inradius: above, it is shed after damping has begun */
 static const double TURN_ANGLE = 2.2;  /* rad, of the turn that follows */
 static const double AIMED_ANGLE = 0.7; /* where the end of shedding is aimed at */
-static const double ROUNDED = 0.2;     /* corners of what the wheels hold */
 static const double LOST = 2.0;        /* errors, over those whose answer is all that the wheels can give */
 static const double FASTER = 1.05;     /* rates, from which on a turn goes on by new limits */
 static const double DISTURBANCE_GAIN = 0.1, DISTURBANCE_SHARE = 0.3; /* of (2 k)^3; of the wheels' torque */
@@ -26,24 +25,6 @@ static void hasten_turn(const ControllerPlannedWheelsLaw *law, const Sample *s, 
     }
 }
 
-/* Of the momenta that the wheels hold in the target's attitude, in N: those farthest along lambda are this by lambda. */
-static Matrix ends_of(const ControllerPlannedWheelsLaw *law, const Sample *s, bool aimed, Vector lambda)
-{
-    Matrix ends = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    if (!aimed) {
-        return add_scaled(ends, SHED_ABOVE * s->momentum.inradius, identity);
-    }
-    for (int i = 0; i < WHEELS_MAX; ++i) {
-        if (s->works[i]) {
-            const Vector a = apply(s->target.R, law->axes[i]);
-            const double c = dot(a, lambda), most = SHED_ABOVE * law->p.wheel_momentum_max[i];
-            ends = add_scaled(ends, most / sqrt(c * c + ROUNDED * ROUNDED),
-                              (Matrix){scale(a.x, a), scale(a.y, a), scale(a.z, a)});
-        }
-    }
-    return ends;
-}
-
 /* (7): whether momentum is shed, and along which direction; `turn`: time of a turn that begins now, s. */
 static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const ControllerPlannedWheelsInputs *u,
                   double above, double turn, ControllerPlannedWheelsState *x)
@@ -62,9 +43,8 @@ static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const 
     const bool aimed = s->target.attitude && !(on && x->aim.given_up);
     const double angle = aimed ? AIMED_ANGLE : TURN_ANGLE;
     const Vector lambda = on ? x->shedding : direction(norm(H_N), H_N);
-    const Matrix ends = ends_of(law, s, aimed, lambda);
-    const double held = dot(lambda, apply(ends, lambda));
-    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, held, ends, ROOM * larger(held, s->momentum.inradius),
+    const double held = (aimed ? SHED_TO : SHED_ABOVE) * s->momentum.inradius;
+    const SheddingData data = {SHEDDING_RODS * law->rods_dipole, held, ROOM * s->momentum.inradius,
                                angle * law->J_bound * 2.0 / 3.0};
     const FieldAhead field = field_ahead(apply(R, s->b), vector(u->r_N), vector(u->v_N));
     const Shedding found = shedding_of(&data, H_N, lambda, &field);

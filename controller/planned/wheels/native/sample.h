@@ -5,6 +5,7 @@
 #include "controller_planned_wheels.h"
 
 static const double SHED_ABOVE = 0.9;       /* of the momentum that the wheels hold in any direction */
+static const double SHED_TO = 0.7;          /* of it, where the attitude is aimed at */
 static const double ROOM = 1.15;            /* of the inradius: what a turn has for rates, and momentum */
 static const double SHEDDING_RODS = 1.5;    /* of the mean rod's dipole: the most of three, the mean over attitudes */
 static const double UNLOADING_SOONER = 0.2; /* of unloading_time, before the hold */
@@ -64,9 +65,6 @@ Errors controller_planned_wheels_errors_of(const Wanted *plan, Matrix R, Vector 
 void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, const Sample *s,
                                       const ControllerPlannedWheelsInputs *u, bool first,
                                       ControllerPlannedWheelsState *x);
-
-/* N m s, that the wheels hold in the direction of `along`, in axes of the target. */
-double controller_planned_wheels_held(const Sample *s, Vector along);
 
 /* (15), (16): x->aim, where the end of shedding can be seen; `turn`: time of a turn that begins now, s. */
 void controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const Sample *s,

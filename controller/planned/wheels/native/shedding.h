@@ -13,7 +13,6 @@ static const double SHEDDING_LEAST = 0.1; /* of `held`: less is not aimed at */
 typedef struct {
     double dipole;     /* A m2, of all rods across any direction, the mean over attitudes */
     double held;       /* N m s, of which wheels bear at most so much in a turn */
-    Matrix ends;       /* N m s, by lambda the momentum that is farthest along it of those */
     double room, turn; /* N m s, kg m2 rad: with the momentum x in the wheels a turn takes turn/(room - x) s */
 } SheddingData;
 
@@ -87,7 +86,7 @@ static inline Shedding shedding_of(const SheddingData *data, Vector H_N, Vector 
             time += share * node;
         }
         found.whole = whole;
-        const Vector next = solve(add_scaled(M_best, left_best / data->held, data->ends), H_N);
+        const Vector next = solve(add_scaled(M_best, left_best, identity), H_N);
         found.lambda = direction(norm(next), next);
     }
     return found;
