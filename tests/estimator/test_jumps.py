@@ -12,9 +12,7 @@ import numpy as np
 import pytest
 
 from estimator.health import BLANK, FROZEN, GOOD, JUMPED, jumped, noticed
-from tests.estimator.test_health import AT, BIAS, RATE, angle, estimates, measured, sensors
-from tests.native.agreement import assert_same
-from tests.native.driver import Instance
+from tests.estimator.test_health import AT, BIAS, RATE, angle, assert_both_alike, estimates, measured
 
 JUMPS = {"omega_B_measured": np.full(3, 5e-3), "b_B_measured": np.full(3, 7e-6)}
 SENSOR = {"omega_B_measured": 0, "b_B_measured": 1}
@@ -79,13 +77,4 @@ def test_noise_never_jumps_and_a_jump_is_eight_times_what_is_usual() -> None:
 @pytest.mark.parametrize("name", JUMPS)
 def test_both_flavours_follow_a_jump_alike(name: str) -> None:
     us = flight(name, until=250)
-    ys = estimates(us)
-    with Instance("estimator") as native:
-        native.set_all(sensors())
-        native.set_all(us[0])
-        native.initialize()
-        for k, (u, y) in enumerate(zip(us[1:], ys, strict=True)):
-            native.set_all(u)
-            native.step(k * 0.5, 0.5)
-            if k % 20 == 0 or k > len(ys) - 3:
-                assert_same(native.outputs(), y, "estimator")
+    assert_both_alike(us, estimates(us))

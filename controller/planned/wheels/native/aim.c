@@ -182,24 +182,23 @@ static void pass_knot(Aim *aim)
     }
 }
 
-void controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const Sample *s,
-                                   const ControllerPlannedWheelsInputs *u, const Shedding *shedding, double turn,
-                                   bool first, ControllerPlannedWheelsState *x)
+bool controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const Sample *s,
+                                   const ControllerPlannedWheelsInputs *u, const FieldAhead *field,
+                                   const Shedding *shedding, double turn, bool first, ControllerPlannedWheelsState *x)
 {
     const ControllerPlannedWheelsParameters *p = &law->p;
     const Matrix R = matrix(u->R_NB);
     const Vector body = apply(law->J, vector(u->omega_B)), all = add(body, s->h), gains = x->rod_gains;
     const double gain[3] = {gains.x, gains.y, gains.z};
-    Coming coming = {.inverse = inverse(law->J), .R = R, .H = apply(R, all)};
+    Coming coming = {.inverse = inverse(law->J), .R = R, .H = apply(R, all), .field = *field};
     for (int i = 0; i < 3; ++i) {
         coming.limits[i] = p->dipole_max * p->rod_limits[i] * gain[i];
     }
-    coming.field = field_ahead(apply(R, s->b), vector(u->r_N), vector(u->v_N));
     coming.time = LONGER * shedding->time + LEAST_SAMPLES * p->command_period;
     Aim *aim = &x->aim;
-    if (!(coming.field.rate > 0.0) || shedding->time * norm(vector(u->omega_B)) > TURNED) {
+    if (!(field->rate > 0.0) || shedding->time * norm(vector(u->omega_B)) > TURNED) {
         aim->segment = 0.0;
-        return;
+        return false;
     }
     aim->since += p->command_period;
     if (first || aim->segment <= 0.0) {
@@ -230,5 +229,5 @@ void controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const 
     aim->given_up = aim->left < -GIVEN_UP;
     aim->whole = aim->given_up ? INFINITY : best.whole;
     aim->left = smaller(aim->left - SLIP * p->command_period, best.time);
-    aim->waits = aim->left > 0.0 || turn > MUCH_LATER * best.whole || norm(all) > SHED_TO * s->momentum.inradius;
+    return aim->left > 0.0 || turn > MUCH_LATER * best.whole || norm(all) > SHED_TO * s->momentum.inradius;
 }

@@ -63,13 +63,13 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     const ControllerPlannedWheelsParameters *p = &law->p;
     const Vector Omega = vector(u->omega_B), b = vector(u->b_B), by_wheels = cross(Omega, s->h);
     const Vector by_body = cross(Omega, apply(law->J, Omega));
-    const bool sheds = x->phase == WHEELS_SHEDDING;
+    const bool sheds = x->phase == WHEELS_SHEDDING, aimed = x->aim.whole < INFINITY;
     const double time = x->phase == WHEELS_HOLD ? p->unloading_time : UNLOADING_SOONER * p->unloading_time;
     const Matrix R = matrix(u->R_NB);
     const Vector H = is_zero_matrix(R) ? s->H : weighted(x, R, s->H);
     Vector dipole = unloading(law->rods_inverse, p->dipole_max, p->rod_limits, time, H, b);
     if (sheds && !is_zero_matrix(R)) {
-        const Vector along = apply_transposed(R, x->aim.whole < INFINITY ? x->aim.course.lambda : x->shedding);
+        const Vector along = apply_transposed(R, aimed ? x->aim.course.lambda : x->shedding);
         dipole = shedding_dipole(law->rods, p->dipole_max, p->rod_limits, along, b);
     }
     dipole = controller_planned_wheels_by_gains(law, x->rod_gains, dipole);
@@ -78,7 +78,7 @@ static void command(const ControllerPlannedWheelsLaw *law, const ControllerPlann
     const Wanted plan = controller_planned_wheels_plan_at(x, &s->target, p->command_period);
     Vector tau;
     if (sheds) {
-        const Vector more = x->aim.whole < INFINITY ? subtract(x->aim.course.knots[0], s->h) : (Vector){0.0, 0.0, 0.0};
+        const Vector more = aimed ? subtract(x->aim.course.knots[0], s->h) : (Vector){0.0, 0.0, 0.0};
         const double size = norm(more), rate = 1.0 / p->command_period;
         tau = subtract(by_rods, add(by_wheels, scale(size > 0.0 ? smaller(rate, s->most / size) : 0.0, more)));
     } else if (x->phase == WHEELS_DAMPING || !s->target.attitude) {

@@ -29,7 +29,7 @@ typedef struct {
     double segment, since;   /* s, from knot to knot, 0 without a course; since the begin of the first */
     double left, whole;      /* s, to the end of shedding and of the turn that follows; infinite: not known */
     int32_t tries;
-    bool waits, given_up; /* for that end; it did not come */
+    bool given_up; /* that end did not come */
 } Aim;
 
 typedef struct {

@@ -49,11 +49,9 @@ static bool sheds(const ControllerPlannedWheelsLaw *law, const Sample *s, const 
     const FieldAhead field = field_ahead(apply(R, s->b), vector(u->r_N), vector(u->v_N));
     const Shedding found = shedding_of(&data, H_N, lambda, &field);
     x->shedding = found.lambda;
-    if (aimed) {
-        controller_planned_wheels_aim(law, s, u, &found, turn, !on, x);
-    }
+    const bool waits = aimed && controller_planned_wheels_aim(law, s, u, &field, &found, turn, !on, x);
     if (x->aim.whole < INFINITY) {
-        return !(turn < x->aim.whole) && x->aim.waits;
+        return waits && !(turn < x->aim.whole);
     }
     return !(turn < found.whole) && (H > SHED_ABOVE * s->momentum.inradius || found.time > 0.0);
 }

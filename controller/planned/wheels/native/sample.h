@@ -66,10 +66,11 @@ void controller_planned_wheels_decide(const ControllerPlannedWheelsLaw *law, con
                                       const ControllerPlannedWheelsInputs *u, bool first,
                                       ControllerPlannedWheelsState *x);
 
-/* (15), (16): x->aim, where the end of shedding can be seen; `turn`: time of a turn that begins now, s. */
-void controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const Sample *s,
-                                   const ControllerPlannedWheelsInputs *u, const Shedding *shedding, double turn,
-                                   bool first, ControllerPlannedWheelsState *x);
+/* (15), (16): x->aim, where the end of shedding can be seen, and whether it is waited for; `turn`: time of a turn that
+ * begins now, s. */
+bool controller_planned_wheels_aim(const ControllerPlannedWheelsLaw *law, const Sample *s,
+                                   const ControllerPlannedWheelsInputs *u, const FieldAhead *field,
+                                   const Shedding *shedding, double turn, bool first, ControllerPlannedWheelsState *x);
 
 /* (4) with the limits of (3) about the axis, a unit vector, over an angle to the target. */
 TurnLimits controller_planned_wheels_turn_about(const ControllerPlannedWheelsLaw *law, const Sample *s, Vector axis,
