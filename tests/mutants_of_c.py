@@ -48,7 +48,7 @@ def pytest_runtestloop(session: pytest.Session) -> bool | None:
         return None
     asked = Path(os.environ[_ASKED])
     chosen = json.loads(asked.read_text("utf-8"))
-    functions = {item.nodeid: [item] for item in session.items}
+    functions = {item.nodeid: item for item in session.items}
     executed, times = _executed(session, functions, {file for _, file, *_ in chosen})
     for kept in ("tests", "fmus"):  # compiled to say what is executed
         shutil.rmtree(_HERE / "out" / kept, ignore_errors=True)
@@ -79,7 +79,7 @@ def executing(executed: Mapping[int, set[str]], functions: set[tuple[int, int]],
 
 
 def _executed(
-    session: pytest.Session, functions: Mapping[str, Sequence[pytest.Item]], files: set[str]
+    session: pytest.Session, functions: Mapping[str, pytest.Item], files: set[str]
 ) -> tuple[dict[str, tuple[dict[int, set[str]], set[tuple[int, int]]]], dict[str, float]]:
     """By file of C the tests that execute each line, and where its functions begin and end; and the time of each test.
 
@@ -130,7 +130,7 @@ def _covered(folder: Path, files: set[str]) -> Iterator[tuple[str, dict[str, Any
 
 def _passes(
     session: pytest.Session,
-    functions: Mapping[str, Sequence[pytest.Item]],
+    functions: Mapping[str, pytest.Item],
     times: Mapping[str, float],
     leave: Callable[[int], object] = os._exit,
 ) -> bool:
@@ -147,7 +147,7 @@ def _passes(
         os.dup2(null, descriptor)
     failed = 1
     try:
-        items = [(item, time) for name, time in times.items() for item in functions[name]]
+        items = [(functions[name], time) for name, time in times.items()]
         for (item, time), (after, _) in zip(items, [*items[1:], (None, 0)], strict=True):
             signal.alarm(10 + int(5.0 * time))
             session.config.hook.pytest_runtest_protocol(item=item, nextitem=after)
